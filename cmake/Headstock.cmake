@@ -1,0 +1,57 @@
+# How every target of the project is made: one function for a library, one for a program, one for a unit test.
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+add_library(headstock_options INTERFACE)
+target_compile_options(headstock_options INTERFACE -Wall -Wextra -Wconversion -Wshadow -Werror -fno-omit-frame-pointer)
+target_include_directories(headstock_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/controller-agent)
+# The same samples bit for bit in the agent, the simulator and the server: no contraction that differs by inlining.
+target_compile_options(headstock_options INTERFACE -ffp-contract=off)
+if(HEADSTOCK_SANITIZE)
+  target_compile_options(headstock_options INTERFACE -fsanitize=${HEADSTOCK_SANITIZE} -fno-sanitize-recover=all -O1)
+  target_link_options(headstock_options INTERFACE -fsanitize=${HEADSTOCK_SANITIZE})
+  # GCC 12 warns falsely inside standard headers when sanitizers change inlining.
+  target_compile_options(headstock_options INTERFACE -Wno-maybe-uninitialized -Wno-stringop-overflow)
+endif()
+if(HEADSTOCK_FUZZ)
+  target_compile_options(headstock_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
+
+# headstock_library(NAME SOURCES a.cpp … DEPENDS other …): static library, alias headstock::NAME.
+function(headstock_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  if(ARG_SOURCES)
+    add_library(headstock_${name} STATIC ${ARG_SOURCES})
+    target_link_libraries(headstock_${name} PUBLIC headstock_options ${ARG_DEPENDS})
+  else()
+    add_library(headstock_${name} INTERFACE)
+    target_link_libraries(headstock_${name} INTERFACE headstock_options ${ARG_DEPENDS})
+  endif()
+  add_library(headstock::${name} ALIAS headstock_${name})
+endfunction()
+
+# headstock_program(NAME SOURCES … DEPENDS …): an executable in build/<preset>/bin.
+function(headstock_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE headstock_options ${ARG_DEPENDS})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+endfunction()
+
+# headstock_test(NAME SOURCES … DEPENDS … LABELS …): a GoogleTest program, every case its own ctest entry.
+function(headstock_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE headstock_options ${ARG_DEPENDS} GTest::gtest_main GTest::gmock)
+  target_compile_definitions(${name} PRIVATE HEADSTOCK_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+    HEADSTOCK_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS unit)
+  endif()
+  include(GoogleTest)
+  gtest_discover_tests(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 300 DISCOVERY_TIMEOUT 60)
+endfunction()

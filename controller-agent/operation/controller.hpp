@@ -1,0 +1,110 @@
+// The embedded CNC of one machine, as one object: modes, start, hold, reset, alarms, part count. `step()` is one
+// interpolation period; `work()` interprets and plans ahead. An agent calls them on two threads, the simulator on one.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "interpreter/interpreter.hpp"
+#include "machine/machine.hpp"
+
+namespace headstock::operation {
+
+using machine::AxisVector;
+
+enum class Mode : std::uint8_t { edit, memory, mdi, jog, handle, reference, remote };   // remote: DNC/RMT drip-feed
+enum class State : std::uint8_t { idle, running, hold, stopped, alarm, emergency_stop };  // stopped: M00/single block
+
+/// What a panel or the link asks for. Refusals come back with a reason; nothing is queued for later.
+enum class Action : std::uint8_t {
+  cycle_start, feed_hold, reset, emergency_stop, emergency_stop_release,
+  arm_remote, disarm_remote,                       // only from the machine's own panel
+  set_mode, set_feed_override, set_rapid_override, set_spindle_override,
+  set_single_block, set_optional_stop, set_block_skip, set_dry_run, set_machine_lock,
+  set_parts_required, reset_parts
+};
+enum class Origin : std::uint8_t { panel, network };
+
+struct Command { Action action; Origin origin = Origin::panel; double value = 0; };
+/// `reason` is a message key (see web locales), e.g. "not_armed", "running", "alarm"; empty when accepted.
+struct CommandResult { bool accepted = false; std::string reason; };
+
+struct ActiveAlarm {
+  std::uint64_t id = 0;          ///< grows by one with each alarm of this controller
+  std::string code;
+  std::string text_en, text_zh;
+  interp::SourcePosition at;
+  std::int64_t raised_ms = 0;    ///< Unix time
+};
+
+/// Everything a screen shows, taken at one instant.
+struct Live {
+  Mode mode = Mode::memory;
+  State state = State::idle;
+  bool remote_armed = false;
+  std::string program_name;      ///< "O1001" or the file's name
+  interp::SourcePosition at;     ///< of the block being executed
+  std::string block;             ///< its text
+  std::vector<std::string> modal;///< "G01", "G97", … in the order the controller's page shows them
+  std::int32_t tool = 0, offset = 0;
+  std::vector<std::string> axes;
+  AxisVector absolute{}, relative{}, machine{}, distance_to_go{};
+  double feed_actual_mm_min = 0, feed_commanded = 0;
+  double spindle_actual_rpm = 0, spindle_commanded_rpm = 0;
+  double feed_override = 1, rapid_override = 1, spindle_override = 1;
+  bool single_block = false, optional_stop = false, block_skip = false, dry_run = false, machine_lock = false;
+  std::uint64_t parts = 0, parts_required = 0, parts_total = 0;
+  double run_time_s = 0, cutting_time_s = 0, cycle_time_s = 0, last_cycle_s = 0;
+  double progress = 0;           ///< 0…1 of the program by bytes (drip-feed: of the announced length); <0 unknown
+  std::vector<ActiveAlarm> alarms;
+  std::uint64_t periods = 0, overruns = 0;
+};
+
+// ---- what must not be lost: handed to the storage thread, which commits before the controller goes on
+struct PartCounted { std::uint64_t count; std::uint64_t total; std::string program; std::string revision_hash; double cycle_s; };
+struct AlarmRaised { ActiveAlarm alarm; std::string block; };
+struct AlarmCleared { std::uint64_t id; };
+struct RunStarted { std::uint64_t run; std::string program; std::string revision_hash; };
+struct RunEnded { std::uint64_t run; std::string outcome; double run_s, cutting_s; };   // "completed" "reset" "alarm"
+struct StateChanged { State state; Mode mode; };
+struct OffsetChanged { interp::DataChange change; std::string origin; };
+using Event = std::variant<PartCounted, AlarmRaised, AlarmCleared, RunStarted, RunEnded, StateChanged, OffsetChanged>;
+struct TimedEvent { std::int64_t at_ms; Event event; };
+
+class Controller {
+ public:
+  /// @param data offsets, parameters and variables, kept by the caller's storage; changed only on the look-ahead thread.
+  Controller(machine::Machine machine, interp::MachineData data);
+  ~Controller();
+  Controller(const Controller&) = delete;
+  Controller& operator=(const Controller&) = delete;
+
+  // ---- any thread
+  CommandResult command(const Command& command);
+  /// Chooses the program that cycle start runs. Refused while running.
+  CommandResult select(std::string name, std::string revision_hash, std::shared_ptr<program::Programs> memory);
+  /// DNC mode: run from a stream of `total_bytes` (0: unknown).
+  CommandResult select_stream(std::string name, std::string revision_hash, std::unique_ptr<program::Source> stream,
+                              std::uint64_t total_bytes);
+  Live live() const;
+
+  // ---- storage thread: take events, commit them, then say so (the part count's M30 is finished only after that)
+  bool take_event(TimedEvent& out);
+  void committed(std::uint64_t events);
+
+  // ---- look-ahead thread
+  /// A bounded piece of interpreting and planning. @return false when there is nothing to do for now.
+  bool work();
+
+  // ---- real-time thread: no allocation, lock, system call or exception
+  void step();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace headstock::operation

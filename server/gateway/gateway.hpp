@@ -1,0 +1,97 @@
+// The agents' side of the server: accepts their connections, passes what they report to the fleet, and carries
+// commands and programs to them. One io_context thread; every callback and coroutine runs on it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/io_context.hpp>
+#include <nlohmann/json_fwd.hpp>
+
+namespace headstock::server {
+
+/// Result of a command as the machine gave it; `reason` is a message key ("not_armed", "not_connected", "timeout" …).
+struct MachineAnswer { bool accepted = false; std::string reason; };
+
+/// One program on its way to one machine.
+struct TransferState {
+  std::uint64_t id = 0;
+  std::int64_t machine = 0;
+  std::string kind;              ///< "put" or "drip"
+  std::string state;             ///< "queued" "sending" "waiting" (link lost, resumable) "done" "failed" "cancelled"
+  std::uint64_t bytes = 0, total = 0;
+  std::string sha256, reason;
+};
+
+/// Reads a stored revision piece by piece, so that 100 MB never sit in memory. May be called for any offset.
+class BlobReader {
+ public:
+  virtual ~BlobReader() = default;
+  virtual std::uint64_t size() const = 0;
+  virtual std::size_t read(std::uint64_t offset, char* into, std::size_t at_most) = 0;
+};
+
+/// What the gateway needs to know and tells; implemented by fleet and library. Calls come on the io_context thread
+/// and may suspend (the store works on its own thread).
+class GatewayHost {
+ public:
+  virtual ~GatewayHost() = default;
+  /// Enrolment: is this secret a valid one-time token? Consumes it. @return machine id, 0 if not valid.
+  virtual boost::asio::awaitable<std::int64_t> redeem_token(std::string secret) = 0;
+  /// Remembers the certificate now valid for the machine (older ones are revoked).
+  virtual boost::asio::awaitable<void> certificate_issued(std::int64_t machine, std::string serial_hex) = 0;
+  /// @return false when the certificate has been revoked or the machine removed.
+  virtual boost::asio::awaitable<bool> certificate_valid(std::int64_t machine, std::string serial_hex) = 0;
+  virtual boost::asio::awaitable<std::string> machine_name(std::int64_t machine) = 0;
+  virtual void connected(std::int64_t machine, const nlohmann::json& hello) = 0;
+  virtual void disconnected(std::int64_t machine, const std::string& reason) = 0;
+  virtual void live(std::int64_t machine, nlohmann::json live) = 0;
+  /// Commits the events in one transaction. @return the highest sequence now committed for this spool.
+  virtual boost::asio::awaitable<std::uint64_t> events(std::int64_t machine, std::string spool_id, nlohmann::json events) = 0;
+  virtual boost::asio::awaitable<void> census(std::int64_t machine, nlohmann::json programs) = 0;
+  virtual void transfer_changed(const TransferState& state) = 0;
+};
+
+struct GatewayOptions {
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 7878;     ///< 0: any free port (tests); see port()
+  std::string pki_folder;        ///< CA and server certificate, made at first start
+};
+
+class Gateway {
+ public:
+  Gateway(boost::asio::io_context& io, GatewayOptions options, GatewayHost& host);
+  ~Gateway();
+
+  /// Throws std::runtime_error with a message for the person who starts the server (port in use, unreadable key).
+  void start();
+  void stop();
+  std::uint16_t port() const;
+  /// For enrolment tokens: lower-case hex SHA-256 of the CA certificate.
+  std::string ca_fingerprint() const;
+
+  bool is_connected(std::int64_t machine) const;
+  /// Closes the machine's connection (removed, re-enrolled).
+  void drop(std::int64_t machine, const std::string& reason);
+
+  boost::asio::awaitable<MachineAnswer> command(std::int64_t machine, std::string action, double value, std::string user);
+  boost::asio::awaitable<MachineAnswer> select(std::int64_t machine, std::string name, std::string user);
+  boost::asio::awaitable<MachineAnswer> delete_program(std::int64_t machine, std::string name);
+  /// Sends a program into the machine's memory; progress through GatewayHost::transfer_changed.
+  boost::asio::awaitable<TransferState> put(std::uint64_t transfer, std::int64_t machine, std::string name,
+                                            std::string sha256, std::shared_ptr<BlobReader> content);
+  /// Opens a drip-feed; returns when the agent has taken it or refused. It goes on until done, cancelled or failed.
+  boost::asio::awaitable<MachineAnswer> drip(std::uint64_t transfer, std::int64_t machine, std::string name,
+                                             std::string sha256, std::shared_ptr<BlobReader> content);
+  bool cancel(std::uint64_t transfer, const std::string& reason);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace headstock::server
