@@ -89,7 +89,7 @@ struct PowerOnSwitch {
 
 struct NumberRules {
   Decimal decimal = Decimal::standard;
-  std::string_view decimal_parameter;     ///< bit that chooses: empty when there is none
+  std::string_view decimal_parameter = {};   ///< bit that chooses: empty when there is none
   Decimal decimal_when_set = Decimal::pocket;
   Rounding rounding = Rounding::half_up;
   std::uint8_t most_digits = 9;           ///< typed in one word
@@ -107,7 +107,7 @@ struct NumberRules {
 
 struct ArcRules {
   double tolerance_mm = 0;                ///< start/end radius difference allowed; 0: not checked
-  std::string_view tolerance_parameter;
+  std::string_view tolerance_parameter = {};
   bool negative_r = true;
   bool r_and_center_is_alarm = false;
   bool closed_by_r_is_alarm = false;      ///< start = end with R: an alarm instead of no motion
@@ -133,8 +133,8 @@ struct CallRules {
 struct ToolRules {
   bool lathe = false;                     ///< T calls tool and offset; otherwise T only names a tool
   int offset_digits = 2;
-  std::string_view offset_digits_parameter;
-  std::string_view geometry_by_tool_parameter;
+  std::string_view offset_digits_parameter = {};
+  std::string_view geometry_by_tool_parameter = {};
   double sign = 1;                        ///< +1: machine = work + zero + offset; -1: the offset is subtracted
   std::size_t most_offsets = 99;
 };
@@ -148,12 +148,14 @@ struct Dialect {
   std::vector<MRule> m_rules;
   std::vector<PowerOnSwitch> power_on_switches;
   std::size_t most_m_codes = 1;           ///< in a block
+  std::string_view more_m_parameter;      ///< bit: three of them
   NumberRules numbers;
   ArcRules arcs;
   ThreadRules threads;
   CallRules calls;
   ToolRules tools;
   Repeated repeated_words = Repeated::last_wins;
+  std::string_view repeated_alarm_parameter;  ///< bit: alarm after all
   std::uint32_t may_repeat = 0;           ///< letters that may repeat in spite of `alarm`
   Repeated same_group = Repeated::last_wins;
   bool one_shot_with_motion_is_alarm = false;
@@ -192,7 +194,7 @@ struct Dialect {
 /// @return nullptr when the profile is not one of the six. Any thread; the dialects are constants.
 const Dialect* find(std::string_view profile);
 
-/// The six profiles.
-std::span<const std::string_view> profiles();
+/// The names of the six dialects.
+std::span<const std::string_view> dialect_names();
 
 }  // namespace headstock::dialects

@@ -61,7 +61,9 @@ bool Executor::check_words() {
     const char letter = lowest_letter(wrong);
     return alarm(AlarmReason::minus_sign, b[letter].column, std::string(1, letter));
   }
-  if (b.repeated != 0 && dialect.repeated_words == dialects::Repeated::alarm && !switches.lenient) {
+  if (b.repeated == 0 && b.inner_slash == 0) return true;
+  const bool refused = dialect.repeated_words == dialects::Repeated::alarm || data.bit(dialect.repeated_alarm_parameter);
+  if (b.repeated != 0 && refused && !switches.lenient) {
     if (const std::uint32_t wrong = b.repeated & ~dialect.may_repeat; wrong != 0) {
       const char letter = lowest_letter(wrong);
       return alarm(AlarmReason::duplicate_word, b[letter].column, std::string(1, letter));
@@ -132,8 +134,9 @@ bool Executor::run_settings() {
 bool Executor::run_m_codes(bool after_motion) {
   using dialects::MAction;
   if (!after_motion) {
-    if (block.m_count > dialect.most_m_codes && !switches.lenient) {
-      return alarm(AlarmReason::too_many_m, block.m[dialect.most_m_codes], 'M');
+    const std::size_t most = data.bit(dialect.more_m_parameter) ? 3 : dialect.most_m_codes;
+    if (block.m_count > most && !switches.lenient) {
+      return alarm(AlarmReason::too_many_m, block.m[most], 'M');
     }
     if (block.m_pointed && !switches.lenient) return alarm(AlarmReason::decimal_point, block.m[0].column, "M");
   }

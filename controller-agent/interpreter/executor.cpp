@@ -22,11 +22,11 @@ Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& mac
     axes[i].rotary = machine.axes[i].rotary;
     axes[i].diameter = machine.axes[i].designation == machine::Designation::diameter ? 0.5 : 1;
   }
+  plane = dialect.tools.lathe ? Plane::zx : Plane::xy;
   queue.reserve(8);
   modal.g.fill(-1);
   set_units(false);
   set_switches({});
-  feed_mm = dialect.numbers.power_on_feed_mm_min;
   update_zeros();
 }
 
@@ -93,6 +93,7 @@ void Executor::power_on() {
     if (row != nullptr) put_in_force(*row);
   }
   set_units(inch);
+  feed_mm = dialect.numbers.power_on_feed_mm_min;
 }
 
 void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& machine_position) {
