@@ -4,6 +4,8 @@
 #include <cmath>
 #include <type_traits>
 
+#include "dialects/catalogue.hpp"
+
 namespace headstock::offline {
 namespace {
 
@@ -185,7 +187,8 @@ void JsonLines::append(const interp::Operation& operation, std::string& out) con
         } else if constexpr (std::is_same_v<T, interp::Alarm>) {
           r.begin("alarm", op.at);
           r.word("code", op.code);
-          r.word("text", op.detail);
+          r.word("text", dialects::alarm_text(profile_, op.code).en);
+          if (!op.detail.empty()) r.word("detail", op.detail);
           r.count("column", op.at.column);
         } else {
           r.begin("end", op.at);

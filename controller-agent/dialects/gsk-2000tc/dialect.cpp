@@ -16,13 +16,13 @@ Dialect make_gsk_2000tc() {
                    {R::illegal_address, "009"},   {R::duplicate_word, "129"},    {R::block_too_long, "019"},
                    {R::slash_position, "009"},    {R::program_number, "074"},    {R::end_of_record, "142"},
                    {R::input_failed, "032"},      {R::expression, "115"},        {R::statement_unavailable, "081"},
-                   {R::m_unavailable, "181"},     {R::too_many_m, "129"},        {R::illegal_m, "181"},
+                   {R::m_unavailable, "010"},     {R::too_many_m, "129"},        {R::illegal_m, "010"},
                    {R::feed_missing, "011"},      {R::arc_radius, "026"},        {R::arc_no_center, "028"},
                    {R::arc_negative_r, "023"},    {R::arc_r_too_small, "026"},   {R::arc_plane, "026"},
                    {R::thread_lead, "018"},       {R::thread_f_and_i, "134"},    {R::no_start_point, "021"},
-                   {R::offset_number, "030"},     {R::reference_number, "130"},  {R::dwell_words, "168"},
+                   {R::offset_number, "030"},     {R::reference_number, "130"},  {R::dwell_words, "130"},
                    {R::call_without_p, "076"},    {R::program_not_found, "078"}, {R::sequence_not_found, "078"},
-                   {R::nesting, "077"},           {R::call_count, "163"}});
+                   {R::nesting, "077"},           {R::call_count, "130"}});
   add_g_codes(d, tables::gcodes_gsk_2000tc);
   for (bool& by_letter : d.incremental_letters) by_letter = true;
   d.m_rules = usual_m_rules();
