@@ -162,6 +162,7 @@ struct Dialect {
   BothForms both_forms = BothForms::later_wins;
   EndOfText end_of_text = EndOfText::alarm;
   std::size_t longest_block = 8'192;
+  std::uint32_t corner_words = 0;         ///< letters of chamfers and corner rounds in G01: refused, not ignored
   bool inner_slash_is_alarm = false;
   bool t_refused_with_actions = false;    ///< T may not share a block with G04 G10 G28 G30 G50 G53
   bool reset_clears = false;              ///< RESET brings the power-on codes back
@@ -182,6 +183,9 @@ struct Dialect {
   bool (*statement)(interp::Executor&, std::string_view text, std::uint32_t column) = nullptr;
 
   std::string_view alarm_code(AlarmReason reason) const { return alarm_codes[static_cast<std::size_t>(reason)]; }
+  void set_alarm_code(AlarmReason reason, std::string_view code) {
+    alarm_codes[static_cast<std::size_t>(reason)] = code;
+  }
   const GTable& table(char system) const { return systems[system == 'C' ? 2 : system == 'B' ? 1 : 0]; }
   MAction m_action(std::int32_t code) const {
     for (const MRule& rule : m_rules) {

@@ -25,6 +25,11 @@ bool Executor::execute() {
   if (block.m_count != 0 && !run_m_codes(false)) return false;
   if (spindle_changed) emit_spindle();
 
+  // A move of an axis that the machine does not have must not be left out silently.
+  if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters; wrong != 0) {
+    const char letter = lowest_letter(wrong);
+    return alarm(AlarmReason::illegal_address, block[letter].column, std::string(1, letter));
+  }
   if (action != nullptr) {
     code = action;
     code_column = action_column;

@@ -64,6 +64,7 @@ void Executor::set_switches(const Switches& wanted) {
     }
   }
   axis_letters = absolute_letters | incremental_letters;
+  axis_like = letters("XYZABCUVW") | (dialect.tools.lathe ? letter_bit('H') : 0);
   constexpr std::uint32_t kAll = (1u << 26) - 1;
   legal = switches.lenient ? kAll : numbers.addresses;
   may_point = switches.lenient ? kAll : numbers.pointed;

@@ -166,6 +166,7 @@ struct Executor {
   const dialects::GTable* table = nullptr;
   program::LexRules lex_rules;
   bool pocket = false;
+  std::uint32_t axis_like = 0;            ///< letters that name an axis or its increment on some machine
   std::uint32_t absolute_letters = 0, incremental_letters = 0, axis_letters = 0;
   std::array<std::int8_t, 26> axis_of{};  ///< axis index of a letter, -1: none
   std::uint32_t legal = 0, may_point = 0, may_minus = 0;

@@ -90,9 +90,11 @@ LineStatus BlockReader::next(Line& out) {
 }
 
 bool BlockReader::seek(std::uint64_t byte_offset, std::uint32_t line_number) {
-  line_number_ = line_number;
-  skip_cr_ = skip_lf_ = false;
-  if (byte_offset >= base_offset_ && byte_offset <= base_offset_ + end_) {  // a short loop stays in the buffer
+  // A short loop stays in the buffer; but a stream cannot go back, whatever its buffer happens to hold.
+  if (byte_offset >= base_offset_ && byte_offset <= base_offset_ + end_) {
+    if (!source_->seek(base_offset_ + end_)) return false;
+    line_number_ = line_number;
+    skip_cr_ = skip_lf_ = false;
     begin_ = static_cast<std::size_t>(byte_offset - base_offset_);
     next_lf_ = find(buffer_.data(), begin_, end_, '\n');
     next_cr_ = find(buffer_.data(), begin_, end_, '\r');
@@ -101,6 +103,8 @@ bool BlockReader::seek(std::uint64_t byte_offset, std::uint32_t line_number) {
   if (!source_->seek(byte_offset)) return false;
   begin_ = end_ = next_lf_ = next_cr_ = 0;
   base_offset_ = byte_offset;
+  line_number_ = line_number;
+  skip_cr_ = skip_lf_ = false;
   at_end_ = false;
   return true;
 }

@@ -76,11 +76,14 @@ Dialect make_common() {
 Dialect make_fanuc_0i_t() {
   Dialect d = make_common();
   d.profile = "fanuc-0i-t";
+  d.set_alarm_code(R::no_intermediate, "PS0010");  // M alarms: no G29, no G43 here
+  d.set_alarm_code(R::length_axis, "PS0010");
   add_g_codes(d, tables::gcodes_fanuc_0i_t);
   d.incremental_letters[0] = true;  // U W V H (8.1)
   d.arcs.negative_r = false;        // PS0023 is a T alarm
   d.tools = {.lathe = true, .offset_digits = 2, .offset_digits_parameter = "5028",
              .geometry_by_tool_parameter = "5002#1", .sign = 1, .most_offsets = 200};
+  d.corner_words = letters("IJKRCA");
   d.t_refused_with_actions = true;  // PS0245
   d.power_on_switches = {{"3402#0", {10, 10, 10}}, {"3402#3", {-1, 910, 910}}, {"3402#4", {980, 940, 940}}};
   d.numbers.addresses = letters("ABCDEFHIJKLPQRSTUVWXYZ");
@@ -92,6 +95,7 @@ Dialect make_fanuc_0i_t() {
 Dialect make_fanuc_0i_m() {
   Dialect d = make_common();
   d.profile = "fanuc-0i-m";
+  d.set_alarm_code(R::arc_negative_r, "PS0010");  // a T alarm: negative R is legal here
   d.kind = machine::Kind::mill;
   add_g_codes(d, tables::gcodes_fanuc_0i_m);
   d.tools = {.lathe = false, .offset_digits = 2, .offset_digits_parameter = {}, .geometry_by_tool_parameter = {},

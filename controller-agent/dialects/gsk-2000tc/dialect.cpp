@@ -19,7 +19,7 @@ Dialect make_gsk_2000tc() {
                    {R::m_unavailable, "010"},     {R::too_many_m, "129"},        {R::illegal_m, "010"},
                    {R::feed_missing, "011"},      {R::arc_radius, "026"},        {R::arc_no_center, "028"},
                    {R::arc_negative_r, "023"},    {R::arc_r_too_small, "026"},   {R::arc_plane, "026"},
-                   {R::thread_lead, "018"},       {R::thread_f_and_i, "134"},    {R::no_start_point, "021"},
+                   {R::thread_lead, "018"},       {R::no_start_point, "021"},
                    {R::offset_number, "030"},     {R::reference_number, "130"},  {R::dwell_words, "130"},
                    {R::call_without_p, "076"},    {R::program_not_found, "078"}, {R::sequence_not_found, "078"},
                    {R::nesting, "077"},           {R::call_count, "130"}});
@@ -38,6 +38,7 @@ Dialect make_gsk_2000tc() {
   d.threads.inch_word = true;
   d.calls = {.nesting = 4, .l_repeats = true, .most_repeats = 9'999};  // E5
   d.tools = {.lathe = true, .offset_digits = 2, .sign = 1, .most_offsets = 32};
+  d.corner_words = letters("LD");  // L2270
   d.repeated_words = Repeated::alarm;  // S177.7 = 1
   d.may_repeat = letters("STHL");
   d.one_shot_with_motion_is_alarm = true;          // L1716
