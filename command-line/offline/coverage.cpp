@@ -29,7 +29,9 @@ constexpr Table kTables[] = {
     {"k2000tc", tables::gcodes_k2000tc},       {"lathe-200t", tables::gcodes_lathe_200t},
 };
 
-std::string_view cell(std::string_view text) { return text == "-" ? std::string_view() : text; }
+std::string_view cell(std::string_view text) {
+  return text == "-" ? std::string_view() : text;
+}
 
 std::optional<std::int32_t> number_of(std::string_view m_code) {
   std::int32_t number = 0;
@@ -47,7 +49,8 @@ std::vector<GCodeState> gcode_states(std::string_view profile) {
     if (table.profile != profile) continue;
     // Columns: A B C group power_on handler meaning source
     for (const auto& row : table.rows)
-      out.push_back({cell(row[0]), cell(row[1]), cell(row[2]), row[3], row[5], row[6], row[5] != "unavailable"});
+      out.push_back(
+          {cell(row[0]), cell(row[1]), cell(row[2]), row[3], row[5], row[6], row[5] != "unavailable"});
   }
   return out;
 }

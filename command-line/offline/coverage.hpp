@@ -21,8 +21,8 @@ struct MCodeState {
 
 std::vector<GCodeState> gcode_states(std::string_view profile);
 
-/// The M codes of the catalogue that are plain numbers. Codes for the machine count as done: the interpreter passes
-/// them on and the ladder answers.
+/// The M codes of the catalogue that are plain numbers. Codes for the machine count as done: the interpreter
+/// passes them on and the ladder answers.
 std::vector<MCodeState> mcode_states(std::string_view profile);
 
 }  // namespace headstock::offline

@@ -1,5 +1,4 @@
-#include "command-line/offline/profile.hpp"
-
+// `headstock profile P`: prints what a controller's catalogue holds, for people and for scripts.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "command-line/offline/coverage.hpp"
+#include "command-line/offline/offline.hpp"
 #include "dialects/catalogue.hpp"
 
 namespace headstock::offline {
@@ -173,7 +173,7 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_profile(CLI::App& app, int& status) {
+void add_profile(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<Options>();
   auto* command =
       app.add_subcommand("profile", "What a controller has: alarms, parameters, codes, and which are done");
@@ -186,7 +186,7 @@ void add_profile(CLI::App& app, int& status) {
   command->add_flag("--coverage", options->coverage,
                     "G and M codes that this version carries out, and those it refuses");
   command->add_flag("--json", options->json, "as one JSON object, with every column");
-  command->callback([options, &status] { status = run(*options); });
+  command->callback([options, &exit_status] { exit_status = run(*options); });
 }
 
 }  // namespace headstock::offline
