@@ -1,6 +1,7 @@
 #include "db/blobs.hpp"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -132,6 +133,19 @@ std::size_t Blobs::Reader::read(std::uint64_t offset, char* into, std::size_t at
     done += static_cast<std::size_t>(got);
   }
   return done;
+}
+
+std::shared_ptr<const Blobs::Mapped> Blobs::map(const std::string& sha256) const {
+  const auto reader = open(sha256);
+  const auto size = static_cast<std::size_t>(reader->size());
+  if (size == 0) return std::shared_ptr<const Mapped>(new Mapped("", 0));
+  void* const bytes = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, reader->file_, 0);
+  if (bytes == MAP_FAILED) fail(path(sha256), "cannot map", errno);
+  return std::shared_ptr<const Mapped>(new Mapped(static_cast<const char*>(bytes), size));
+}
+
+Blobs::Mapped::~Mapped() {
+  if (size_ > 0) ::munmap(const_cast<char*>(bytes_), size_);
 }
 
 bool Blobs::verify(const std::string& sha256) const {
