@@ -1,5 +1,5 @@
-// What kind of change it is when one block becomes another. Works on the words of a block, whatever the dialect; what is
-// not words (macro statements, jumps) counts as structure.
+// What kind of change it is when one block becomes another. Works on the words of a block, whatever the
+// dialect; what is not words (macro statements, jumps) counts as structure.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -50,7 +50,7 @@ Block parse(std::string_view line) {
   block.text = without_comments(line);
   const std::string& text = block.text;
   std::size_t at = 0;
-  while (at < text.size() && text[at] == '/') ++at;   // block skip: in `text`, so a change of it is seen
+  while (at < text.size() && text[at] == '/') ++at;  // block skip: in `text`, so a change of it is seen
   if (at > 0) block.words['/'].push_back(text.substr(0, at));
   while (at < text.size()) {
     const char letter = text[at];
@@ -64,7 +64,7 @@ Block parse(std::string_view line) {
       brackets -= c == ']';
       ++end;
     }
-    if (!word || end == at + 1) {   // "#100=…", "%", "GOTO", "IF"
+    if (!word || end == at + 1) {  // "#100=…", "%", "GOTO", "IF"
       block.statement = true;
       return block;
     }
@@ -77,8 +77,8 @@ Block parse(std::string_view line) {
 bool has_code(const Block& block, char letter, std::initializer_list<std::string_view> codes) {
   const auto found = block.words.find(letter);
   return found != block.words.end() && std::ranges::any_of(found->second, [&](const std::string& value) {
-    return std::ranges::find(codes, value) != codes.end();
-  });
+           return std::ranges::find(codes, value) != codes.end();
+         });
 }
 
 /// What a block's G codes make of its other words.
@@ -95,9 +95,11 @@ Context context_of(const Block& block) {
 
 /// The class of a G code that appears or disappears.
 ChangeClass class_of_g(const std::string& value) {
-  static constexpr std::array<std::string_view, 9> kOffsets = {"10", "52", "54", "55", "56", "57", "58", "59", "54.1"};
+  static constexpr std::array<std::string_view, 9> kOffsets = {"10", "52", "54", "55",  "56",
+                                                               "57", "58", "59", "54.1"};
   static constexpr std::array<std::string_view, 7> kPace = {"94", "95", "96", "97", "98", "99", "4"};
-  static constexpr std::array<std::string_view, 9> kGeometry = {"0", "1", "2", "3", "17", "18", "19", "90", "91"};
+  static constexpr std::array<std::string_view, 9> kGeometry = {"0",  "1",  "2",  "3", "17",
+                                                                "18", "19", "90", "91"};
   if (std::ranges::find(kOffsets, value) != kOffsets.end()) return ChangeClass::offset;
   if (std::ranges::find(kPace, value) != kPace.end()) return ChangeClass::feed_speed;
   if (std::ranges::find(kGeometry, value) != kGeometry.end()) return ChangeClass::geometry;
@@ -106,14 +108,17 @@ ChangeClass class_of_g(const std::string& value) {
 
 ChangeClass class_of_word(char letter, Context context) {
   constexpr std::string_view kAxes = "XYZUVWABCIJKRQ";
-  if (letter == 'F' || letter == 'E') return context == Context::thread ? ChangeClass::geometry : ChangeClass::feed_speed;
+  if (letter == 'F' || letter == 'E')
+    return context == Context::thread ? ChangeClass::geometry : ChangeClass::feed_speed;
   if (letter == 'S') return ChangeClass::feed_speed;
   if (letter == 'T' || letter == 'D' || letter == 'H') return ChangeClass::offset;
-  if (context == Context::offsets && (kAxes.find(letter) != std::string_view::npos || letter == 'P' || letter == 'L'))
+  if (context == Context::offsets &&
+      (kAxes.find(letter) != std::string_view::npos || letter == 'P' || letter == 'L'))
     return ChangeClass::offset;
-  if (context == Context::dwell && (letter == 'X' || letter == 'U' || letter == 'P')) return ChangeClass::feed_speed;
+  if (context == Context::dwell && (letter == 'X' || letter == 'U' || letter == 'P'))
+    return ChangeClass::feed_speed;
   if (kAxes.find(letter) != std::string_view::npos) return ChangeClass::geometry;
-  return ChangeClass::structure;   // N O M L P / …
+  return ChangeClass::structure;  // N O M L P / …
 }
 
 ChangeClass class_of_g_change(const std::vector<std::string>& left, const std::vector<std::string>& right) {
@@ -124,7 +129,7 @@ ChangeClass class_of_g_change(const std::vector<std::string>& left, const std::v
   };
   only_in(left, right);
   only_in(right, left);
-  return worst == ChangeClass::none ? ChangeClass::structure : worst;   // the order of the codes only
+  return worst == ChangeClass::none ? ChangeClass::structure : worst;  // the order of the codes only
 }
 
 }  // namespace
@@ -147,7 +152,8 @@ ChangeClass classify(std::string_view left, std::string_view right) {
     const auto& values_b = in_b == b.words.end() ? none : in_b->second;
     if (values_a == values_b || (whole && letter == 'N' && letters.size() > 1)) continue;
     worst = std::max(worst, letter == 'G' ? class_of_g_change(values_a, values_b)
-                                          : std::max(class_of_word(letter, left_context), class_of_word(letter, right_context)));
+                                          : std::max(class_of_word(letter, left_context),
+                                                     class_of_word(letter, right_context)));
   }
   // The same words in another order: harmless in most controllers, but somebody should look.
   return worst == ChangeClass::comment ? ChangeClass::structure : worst;

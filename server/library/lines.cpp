@@ -7,15 +7,15 @@
 namespace headstock::library {
 namespace {
 
-constexpr std::int64_t kStep = 1'024;            // lines between two entries of the index
-constexpr std::size_t kRemembered = 16;          // indexes kept
+constexpr std::int64_t kStep = 1'024;    // lines between two entries of the index
+constexpr std::size_t kRemembered = 16;  // indexes kept
 constexpr std::size_t kChunk = 1u << 18;
-constexpr std::size_t kLongestShown = 4'096;     // bytes of one line
-constexpr std::size_t kLongestWindow = 1u << 20; // bytes of one window
+constexpr std::size_t kLongestShown = 4'096;      // bytes of one line
+constexpr std::size_t kLongestWindow = 1u << 20;  // bytes of one window
 constexpr std::int64_t kMostLines = 2'000;
 
-/// Feeds lines of a blob to `line(number, offset of its start)` until it says stop; reads in chunks. `text` gets the shown
-/// part of lines when wanted. Returns the number of the last line seen.
+/// Feeds lines of a blob to `line(number, offset of its start)` until it says stop; reads in chunks. `text`
+/// gets the shown part of lines when wanted. Returns the number of the last line seen.
 class Scanner {
  public:
   Scanner(const db::Blobs::Reader& reader, std::uint64_t offset, std::int64_t number)
@@ -60,8 +60,8 @@ class Scanner {
   }
 
   const db::Blobs::Reader& reader_;
-  std::uint64_t offset_;   // of the buffer's first byte
-  std::int64_t number_;    // of the line returned last
+  std::uint64_t offset_;  // of the buffer's first byte
+  std::int64_t number_;   // of the line returned last
   std::vector<char> buffer_;
   std::size_t at_ = 0, filled_ = 0;
 };
@@ -90,7 +90,8 @@ std::shared_ptr<const LineReader::Index> LineReader::index(const std::string& sh
   return made;
 }
 
-LineWindow LineReader::window(const std::string& sha256, const std::string& encoding, std::int64_t from, std::int64_t count) {
+LineWindow LineReader::window(const std::string& sha256, const std::string& encoding, std::int64_t from,
+                              std::int64_t count) {
   const auto known = index(sha256);
   LineWindow window;
   window.total = known->total;

@@ -34,15 +34,17 @@ void demand_short(const std::string& text, const char* what) {
 bool passed_for(const db::CheckRow& check, db::Database& db) {
   if (!check.ok) return false;
   // A check of a machine that has since got another configuration says nothing about the machine as it is.
-  return db.integer("SELECT 1 FROM machines WHERE id = ? AND config_hash = ? AND removed_ms IS NULL",
-                    {check.machine, check.config_hash})
+  return db
+      .integer("SELECT 1 FROM machines WHERE id = ? AND config_hash = ? AND removed_ms IS NULL",
+               {check.machine, check.config_hash})
       .has_value();
 }
 
 }  // namespace
 
 void Upload::append(std::string_view bytes) {
-  if (writer_.bytes() + bytes.size() > limits_.max_bytes) throw db::Refusal("too_large", std::to_string(limits_.max_bytes));
+  if (writer_.bytes() + bytes.size() > limits_.max_bytes)
+    throw db::Refusal("too_large", std::to_string(limits_.max_bytes));
   facts_.add(bytes);
   writer_.append(bytes);
 }
@@ -75,7 +77,8 @@ std::string clean_folder(const std::string& path) {
 }
 
 void demand_good_name(const std::string& name) {
-  const bool bad_byte = std::ranges::any_of(name, [](unsigned char c) { return c < 0x20 || c == 0x7F || c == '/' || c == '\\'; });
+  const bool bad_byte = std::ranges::any_of(
+      name, [](unsigned char c) { return c < 0x20 || c == 0x7F || c == '/' || c == '\\'; });
   const bool bad_text = to_utf8(name, "utf-8") != name;
   const bool bad_edge = !name.empty() && (name.front() == ' ' || name.back() == ' ');
   if (name.empty() || name.size() > 120 || name == "." || name == ".." || bad_byte || bad_text || bad_edge)
@@ -95,8 +98,8 @@ db::RevisionRow require_revision(db::Database& db, std::int64_t program, std::in
   return *row;
 }
 
-Added add_revision(db::Database& db, const Actor& actor, const Place& place, const db::BlobRow& blob, const std::string& note,
-                   const std::string& origin, std::int64_t now_ms) {
+Added add_revision(db::Database& db, const Actor& actor, const Place& place, const db::BlobRow& blob,
+                   const std::string& note, const std::string& origin, std::int64_t now_ms) {
   demand(actor, Action::upload_program);
   demand_good_name(place.name);
   demand_short(note, "note");
@@ -111,7 +114,8 @@ Added add_revision(db::Database& db, const Actor& actor, const Place& place, con
   }
   added.duplicate_of = db::revision_of_content(db, blob.sha256);
   db::insert_blob(db, blob, now_ms);
-  const std::int64_t id = program ? program->id : db::insert_program(db, db::ensure_folder(db, folder), place.name, now_ms);
+  const std::int64_t id =
+      program ? program->id : db::insert_program(db, db::ensure_folder(db, folder), place.name, now_ms);
   db::RevisionRow revision;
   revision.program = id;
   revision.number = program && program->newest ? program->newest->number + 1 : 1;
@@ -122,7 +126,11 @@ Added add_revision(db::Database& db, const Actor& actor, const Place& place, con
   revision.origin = origin;
   db::insert_revision(db, revision);
   record(db, actor, "program.upload", subject(id),
-         {{"name", place.name}, {"folder", folder}, {"revision", std::to_string(revision.number)}, {"sha256", blob.sha256}, {"note", note}});
+         {{"name", place.name},
+          {"folder", folder},
+          {"revision", std::to_string(revision.number)},
+          {"sha256", blob.sha256},
+          {"note", note}});
   added.program = require_program(db, id);
   added.revision = *db::revision(db, id, revision.number);
   added.created = true;
@@ -130,7 +138,8 @@ Added add_revision(db::Database& db, const Actor& actor, const Place& place, con
   return added;
 }
 
-db::ProgramRow move_program(db::Database& db, const Actor& actor, std::int64_t program, const Place& to, std::int64_t /*now_ms*/) {
+db::ProgramRow move_program(db::Database& db, const Actor& actor, std::int64_t program, const Place& to,
+                            std::int64_t /*now_ms*/) {
   demand(actor, Action::arrange_programs);
   demand_good_name(to.name);
   const std::string folder = clean_folder(to.folder);
@@ -138,9 +147,11 @@ db::ProgramRow move_program(db::Database& db, const Actor& actor, std::int64_t p
   const db::ProgramRow before = require_program(db, program);
   const auto there = db::program_named(db, folder, to.name);
   if (there && there->id != program) throw db::Refusal("name_taken", full_name(*there));
-  db.execute("UPDATE programs SET folder_id = ?, name = ? WHERE id = ?", {db::ensure_folder(db, folder), to.name, program});
+  db.execute("UPDATE programs SET folder_id = ?, name = ? WHERE id = ?",
+             {db::ensure_folder(db, folder), to.name, program});
   const db::ProgramRow after = require_program(db, program);
-  record(db, actor, "program.move", subject(program), {{"from", full_name(before)}, {"to", full_name(after)}});
+  record(db, actor, "program.move", subject(program),
+         {{"from", full_name(before)}, {"to", full_name(after)}});
   transaction.commit();
   return after;
 }
@@ -172,8 +183,12 @@ void remove_folder(db::Database& db, const Actor& actor, const std::string& path
   db::Transaction transaction(db);
   const auto id = db::folder_id(db, folder);
   if (!id || folder == "/") throw db::Refusal("not_found", folder);
-  const bool has_programs = db.integer("SELECT 1 FROM programs WHERE folder_id = ? AND removed_ms IS NULL LIMIT 1", {*id}).has_value();
-  const bool has_folders = db.integer("SELECT 1 FROM folders WHERE substr(path, 1, ?) = ? LIMIT 1", {folder.size() + 1, folder + "/"}).has_value();
+  const bool has_programs =
+      db.integer("SELECT 1 FROM programs WHERE folder_id = ? AND removed_ms IS NULL LIMIT 1", {*id})
+          .has_value();
+  const bool has_folders = db.integer("SELECT 1 FROM folders WHERE substr(path, 1, ?) = ? LIMIT 1",
+                                      {folder.size() + 1, folder + "/"})
+                               .has_value();
   if (has_programs || has_folders) throw db::Refusal("not_empty", folder);
   // Removed programs keep their history; they go to the root so that the folder's row can go.
   db.execute("UPDATE programs SET folder_id = ? WHERE folder_id = ?", {db::ensure_folder(db, "/"), *id});
@@ -182,8 +197,8 @@ void remove_folder(db::Database& db, const Actor& actor, const std::string& path
   transaction.commit();
 }
 
-db::ReleaseRow release(db::Database& db, const Actor& actor, std::int64_t program, std::int64_t revision, const std::string& why,
-                       std::int64_t now_ms, std::int64_t machine) {
+db::ReleaseRow release(db::Database& db, const Actor& actor, std::int64_t program, std::int64_t revision,
+                       const std::string& why, std::int64_t now_ms, std::int64_t machine) {
   demand(actor, Action::release_program);
   demand_reason(why);
   demand_short(why, "why");
@@ -193,7 +208,9 @@ db::ReleaseRow release(db::Database& db, const Actor& actor, std::int64_t progra
   const bool passed = std::ranges::any_of(checks, [&](const db::CheckRow& check) {
     return (machine == 0 || check.machine == machine) && passed_for(check, db);
   });
-  if (!passed) throw db::Refusal("not_checked", machine == 0 ? std::string() : std::string("machine:").append(std::to_string(machine)));
+  if (!passed)
+    throw db::Refusal("not_checked",
+                      machine == 0 ? std::string() : std::string("machine:").append(std::to_string(machine)));
   const auto current = db::current_release(db, program);
   if (current && current->revision == revision) return *current;
   if (current) db::withdraw_release(db, current->id, actor.user, why, now_ms);
@@ -205,13 +222,16 @@ db::ReleaseRow release(db::Database& db, const Actor& actor, std::int64_t progra
   made.why = why;
   made.id = db::insert_release(db, made);
   record(db, actor, "program.release", subject(program),
-         {{"revision", std::to_string(revision)}, {"sha256", row.blob.sha256}, {"why", why},
+         {{"revision", std::to_string(revision)},
+          {"sha256", row.blob.sha256},
+          {"why", why},
           {"instead_of", current ? std::to_string(current->revision) : std::string()}});
   transaction.commit();
   return made;
 }
 
-void withdraw(db::Database& db, const Actor& actor, std::int64_t program, const std::string& why, std::int64_t now_ms) {
+void withdraw(db::Database& db, const Actor& actor, std::int64_t program, const std::string& why,
+              std::int64_t now_ms) {
   demand(actor, Action::withdraw_release);
   demand_reason(why);
   demand_short(why, "why");
@@ -220,7 +240,8 @@ void withdraw(db::Database& db, const Actor& actor, std::int64_t program, const 
   const auto current = db::current_release(db, program);
   if (!current) throw db::Refusal("not_released", subject(program));
   db::withdraw_release(db, current->id, actor.user, why, now_ms);
-  record(db, actor, "program.withdraw", subject(program), {{"revision", std::to_string(current->revision)}, {"why", why}});
+  record(db, actor, "program.withdraw", subject(program),
+         {{"revision", std::to_string(current->revision)}, {"why", why}});
   transaction.commit();
 }
 

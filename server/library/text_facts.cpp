@@ -81,8 +81,8 @@ db::BlobRow TextFacts::finish() {
 
 namespace {
 
-constexpr std::string_view kReplacement = "\xEF\xBF\xBD";   // U+FFFD
-constexpr std::string_view kNulSymbol = "\xE2\x90\x80";     // U+2400
+constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
+constexpr std::string_view kNulSymbol = "\xE2\x90\x80";    // U+2400
 
 /// One conversion of the C library per thread; opening it costs more than a line.
 class GbkConverter {
@@ -93,7 +93,7 @@ class GbkConverter {
   }
   GbkConverter(const GbkConverter&) = delete;
   GbkConverter& operator=(const GbkConverter&) = delete;
-  bool usable() const { return handle_ != reinterpret_cast<iconv_t>(-1); }   // NOLINT: that is its interface
+  bool usable() const { return handle_ != reinterpret_cast<iconv_t>(-1); }  // NOLINT: that is its interface
 
   std::string convert(std::string_view bytes) {
     std::string text(bytes.size() * 3 + 4, '\0');
@@ -101,7 +101,8 @@ class GbkConverter {
     std::size_t in_left = bytes.size();
     char* out = text.data();
     std::size_t out_left = text.size();
-    while (in_left > 0 && iconv(handle_, &in, &in_left, &out, &out_left) == static_cast<std::size_t>(-1) && in_left > 0) {
+    while (in_left > 0 && iconv(handle_, &in, &in_left, &out, &out_left) == static_cast<std::size_t>(-1) &&
+           in_left > 0) {
       iconv(handle_, nullptr, nullptr, nullptr, nullptr);
       ++in;
       --in_left;
@@ -126,8 +127,8 @@ std::size_t utf8_length(std::string_view text) {
   for (std::size_t i = 1; i < length; ++i)
     if ((byte(i) & 0xC0) != 0x80) return 0;
   const unsigned char second = byte(1);
-  const bool bad = (lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) || (lead == 0xF0 && second < 0x90) ||
-                   (lead == 0xF4 && second > 0x8F);
+  const bool bad = (lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) ||
+                   (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second > 0x8F);
   return bad ? 0 : length;
 }
 

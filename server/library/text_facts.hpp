@@ -26,8 +26,9 @@ class TextFacts {
   std::int64_t lf_ = 0, crlf_ = 0, cr_ = 0;  // line ends of each kind
   bool after_cr_ = false, high_bytes_ = false, text_seen_ = false;
   bool utf8_ok_ = true, gbk_ok_ = true, gbk_lead_ = false;
-  int utf8_left_ = 0;                                   // continuation bytes still to come
-  unsigned char utf8_low_ = 0x80, utf8_high_ = 0xBF;    // what the next one may be (no overlong forms, no surrogates)
+  int utf8_left_ = 0;  // continuation bytes still to come
+  unsigned char utf8_low_ = 0x80,
+                utf8_high_ = 0xBF;  // what the next one may be (no overlong forms, no surrogates)
 };
 
 /// The text as UTF-8 for people: GBK converted, bytes that are neither become U+FFFD, NUL becomes U+2400.
