@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
   int exit_status = 0;
   headstock::offline::add_interpret(app, exit_status);
   headstock::offline::add_check(app, exit_status);
+  headstock::offline::add_profile(app, exit_status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
