@@ -14,7 +14,8 @@ constexpr std::string_view kIncrementOf = "XUYVZWCH";  // pairs: axis, its incre
 
 }  // namespace
 
-Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& machine_data, program::Programs* callable)
+Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& machine_data,
+                   program::Programs* callable)
     : dialect(d), machine(m), data(machine_data), programs(callable) {
   axes.resize(std::min(machine.axes.size(), kMaxAxes));
   for (std::size_t i = 0; i < axes.size(); ++i) {

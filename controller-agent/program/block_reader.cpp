@@ -20,7 +20,8 @@ std::size_t find(const char* data, std::size_t from, std::size_t to, char wanted
 BlockReader::BlockReader(std::unique_ptr<Source> source, std::size_t longest_line)
     : source_(std::move(source)), longest_line_(longest_line), buffer_(longest_line + kChunkBytes) {}
 
-// Makes room and reads once. Both line-end caches stay right: they are moved, or searched on from the old end.
+// Makes room and reads once. Both line-end caches stay right: they are moved, or searched on from the old
+// end.
 LineStatus BlockReader::fill() {
   if (at_end_) return LineStatus::end;
   if (begin_ > 0 && buffer_.size() - end_ < kChunkBytes) {
@@ -60,7 +61,8 @@ void BlockReader::deliver(std::size_t length, std::size_t terminator, Line& out)
 
 LineStatus BlockReader::next(Line& out) {
   for (;;) {
-    while (begin_ < end_ && ((skip_cr_ && buffer_[begin_] == '\r') || (skip_lf_ && buffer_[begin_] == '\n'))) {
+    while (begin_ < end_ &&
+           ((skip_cr_ && buffer_[begin_] == '\r') || (skip_lf_ && buffer_[begin_] == '\n'))) {
       skip_cr_ = skip_cr_ || skip_lf_;
       skip_lf_ = false;
       ++begin_;

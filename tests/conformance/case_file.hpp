@@ -1,4 +1,5 @@
-// One conformance case: a readable file with a program, its settings and what the controller makes of it (see README).
+// One conformance case: a readable file with a program, its settings and what the controller makes of it (see
+// README).
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,5 @@
-// Runs every file of cases/: the program through the interpreter, each operation against what the case expects.
+// Runs every file of cases/: the program through the interpreter, each operation against what the case
+// expects.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,8 +30,10 @@ struct Seen {
   }
 };
 
-void add_axes(Seen& seen, const machine::Machine& machine, const std::string& before, const machine::AxisVector& values) {
-  for (std::size_t i = 0; i < machine.axes.size(); ++i) seen.values[before + machine.axes[i].name] = values[i];
+void add_axes(Seen& seen, const machine::Machine& machine, const std::string& before,
+              const machine::AxisVector& values) {
+  for (std::size_t i = 0; i < machine.axes.size(); ++i)
+    seen.values[before + machine.axes[i].name] = values[i];
 }
 
 void add_feed(Seen& seen, double feed, interp::FeedUnit unit) {
@@ -73,7 +76,8 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
         } else if constexpr (std::is_same_v<T, interp::Spindle>) {
           seen.op = "spindle";
           seen.word = op.direction == interp::SpindleDirection::stop ? "stop"
-                      : op.direction == interp::SpindleDirection::cw ? "cw" : "ccw";
+                      : op.direction == interp::SpindleDirection::cw ? "cw"
+                                                                     : "ccw";
           seen.values[op.constant_surface_speed ? "m_min" : "rpm"] = op.speed;
           seen.values["clamp"] = op.clamp_rpm;
         } else if constexpr (std::is_same_v<T, interp::Tool>) {
@@ -119,7 +123,8 @@ std::string compare(const Expected& expected, const Seen& seen) {
   for (const auto& [key, text] : expected.values) {
     const auto found = seen.values.find(key);
     if (found == seen.values.end()) return "has no " + key;
-    if (!(std::fabs(found->second - std::stod(text)) <= tolerance_of(text))) return "expected " + key + "=" + text;
+    if (!(std::fabs(found->second - std::stod(text)) <= tolerance_of(text)))
+      return "expected " + key + "=" + text;
   }
   return {};
 }
@@ -151,7 +156,8 @@ machine::Machine machine_of(const Case& one, const std::string& profile) {
       machine.axes.push_back(axis);
     }
   }
-  if (one.settings.count("radius_x") != 0) machine.axes[*machine.axis_index('X')].designation = machine::Designation::radius;
+  if (one.settings.count("radius_x") != 0)
+    machine.axes[*machine.axis_index('X')].designation = machine::Designation::radius;
   return machine;
 }
 
@@ -161,7 +167,9 @@ class NamedPrograms final : public program::Programs {
     numbered_.add_text(one.program);
     numbered_.add_text(one.others);
   }
-  std::unique_ptr<program::Source> open_number(std::uint32_t number) override { return numbered_.open_number(number); }
+  std::unique_ptr<program::Source> open_number(std::uint32_t number) override {
+    return numbered_.open_number(number);
+  }
   std::unique_ptr<program::Source> open_name(std::string_view name) override {
     const auto found = case_.named.find(std::string(name));
     return found == case_.named.end() ? nullptr : program::source_from_text(found->second);
@@ -197,7 +205,8 @@ bool apply_settings(const std::string& settings, interp::Switches& switches) {
 
 std::vector<fs::path> case_files() {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(fs::path(HEADSTOCK_SOURCE_DIR) / "tests/conformance/cases")) {
+  for (const auto& entry :
+       fs::recursive_directory_iterator(fs::path(HEADSTOCK_SOURCE_DIR) / "tests/conformance/cases")) {
     if (entry.path().extension() == ".case") files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
@@ -243,16 +252,20 @@ TEST_P(Conformance, AsTheManualSays) {
     Seen next = describe(operation, machine);
     if (next.op == "alarm" && next.word != "HS0001" && profile != "k2000tc") {
       dialects::Alarm row;
-      EXPECT_TRUE(dialects::find_alarm(profile, next.word, row)) << next.word << " is not in the catalogue of " << profile;
+      EXPECT_TRUE(dialects::find_alarm(profile, next.word, row))
+          << next.word << " is not in the catalogue of " << profile;
     }
-    if (show == "  " || show.find(" " + next.op + " ") != show.npos || next.op == "alarm") seen.push_back(next);
+    if (show == "  " || show.find(" " + next.op + " ") != show.npos || next.op == "alarm")
+      seen.push_back(next);
   }
   for (std::size_t i = 0; i < std::max(seen.size(), one.expected.size()); ++i) {
     ASSERT_LT(i, one.expected.size()) << GetParam().string() << ": more than expected: " << seen[i].text();
     const Expected& expected = one.expected[i];
-    ASSERT_LT(i, seen.size()) << GetParam().string() << ":" << expected.file_line << ": not made: " << expected.op;
+    ASSERT_LT(i, seen.size()) << GetParam().string() << ":" << expected.file_line
+                              << ": not made: " << expected.op;
     const std::string difference = compare(expected, seen[i]);
-    ASSERT_EQ(difference, "") << GetParam().string() << ":" << expected.file_line << ": made " << seen[i].text();
+    ASSERT_EQ(difference, "") << GetParam().string() << ":" << expected.file_line << ": made "
+                              << seen[i].text();
   }
 }
 

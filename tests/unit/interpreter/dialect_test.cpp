@@ -31,7 +31,8 @@ TEST(Dialects, EveryAlarmNumberIsInTheCatalogue) {
       Alarm row;
       if (code == "HS0001") continue;
       // Numbers of the scheme K2000TCi follows; its manual, and so its catalogue, does not list them.
-      static const std::set<std::string_view> kUnlisted = {"PS0004", "PS0005", "PS0006", "PS0021", "PS0030", "PS0086", "PS0114"};
+      static const std::set<std::string_view> kUnlisted = {"PS0004", "PS0005", "PS0006", "PS0021",
+                                                           "PS0030", "PS0086", "PS0114"};
       if (name == "k2000tc" && kUnlisted.count(code) != 0) continue;
       EXPECT_TRUE(find_alarm(name, code, row)) << name << ' ' << code;
     }
@@ -49,11 +50,13 @@ TEST(Dialects, EverySystemHasItsMotionAndOnePowerOnCodeAGroup) {
       }
       std::uint32_t groups = 0;
       for (const GCode& code : table.rows()) {
-        if (code.phase != Phase::unavailable && code.phase != Phase::setting && code.phase != Phase::modifier) {
+        if (code.phase != Phase::unavailable && code.phase != Phase::setting &&
+            code.phase != Phase::modifier) {
           EXPECT_NE(code.handler, nullptr) << name << ' ' << code.name;
         }
         if (!code.power_on) continue;
-        EXPECT_EQ(groups & (1u << code.group), 0u) << name << ' ' << system << " two power-on codes: " << code.name;
+        EXPECT_EQ(groups & (1u << code.group), 0u)
+            << name << ' ' << system << " two power-on codes: " << code.name;
         groups |= 1u << code.group;
       }
       EXPECT_NE(groups & 2u, 0u) << name << ": no motion code at power-on";

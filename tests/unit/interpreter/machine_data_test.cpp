@@ -9,8 +9,11 @@ const std::vector<char> kAxes = {'X', 'Z'};
 
 TEST(MachineData, OffsetsRoundTrip) {
   MachineData data;
-  ASSERT_EQ(load_offsets(R"({"external":{"X":1},"shift":{"Z":2},"work":{"G54":{"X":10,"Z":-20},"G54.1P48":{"Z":3}},
-    "tools":{"12":{"geometry":{"X":-5.5},"wear":{"Z":0.01},"radius":0.4,"radius_wear":0.01,"tip":3}}})", kAxes, data), "");
+  ASSERT_EQ(
+      load_offsets(R"({"external":{"X":1},"shift":{"Z":2},"work":{"G54":{"X":10,"Z":-20},"G54.1P48":{"Z":3}},
+    "tools":{"12":{"geometry":{"X":-5.5},"wear":{"Z":0.01},"radius":0.4,"radius_wear":0.01,"tip":3}}})",
+                   kAxes, data),
+      "");
   EXPECT_EQ(data.work[0][1], -20);
   EXPECT_EQ(data.work_extra[47][1], 3);
   ASSERT_EQ(data.tools.size(), 13u);
@@ -33,7 +36,8 @@ TEST(MachineData, MistakesNameTheirPlaceAndChangeNothing) {
   EXPECT_EQ(load_offsets(R"({"work":{"G60":{}}})", kAxes, data), "work/G60: no such coordinate system");
   EXPECT_EQ(load_offsets(R"({"tools":{"0":{}}})", kAxes, data), "tools/0: must be a number from 1 to 999");
   EXPECT_EQ(load_offsets(R"({"tools":{"1":{"tip":12}}})", kAxes, data), "tools/1/tip: must be 0 to 9");
-  EXPECT_EQ(load_offsets(R"({"offset":1})", kAxes, data), "offset: unknown key (external, shift, work, tools)");
+  EXPECT_EQ(load_offsets(R"({"offset":1})", kAxes, data),
+            "offset: unknown key (external, shift, work, tools)");
   EXPECT_NE(load_offsets("{", kAxes, data), "");
   EXPECT_EQ(load_offsets("[]", kAxes, data), "must be a JSON object");
   EXPECT_EQ(data.version, 0u);

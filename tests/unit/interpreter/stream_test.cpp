@@ -34,7 +34,8 @@ class Dripping final : public program::Source {
 
 struct Bench {
   explicit Bench(std::string_view profile)
-      : machine(*machine::default_machine(profile)), interpreter(*dialects::find(profile), machine, data, &programs) {}
+      : machine(*machine::default_machine(profile)),
+        interpreter(*dialects::find(profile), machine, data, &programs) {}
   machine::Machine machine;
   MachineData data;
   program::FilePrograms programs;
@@ -61,8 +62,9 @@ const Motion* motion(const Operation& operation) {
 }
 
 TEST(Stream, OneByteAtATimeGivesTheSameAsTheWhole) {
-  const std::string text = "%\r\nO0001 (\xd6\xd0)\r\nN1 G90 G54 G00 X1.5 Y-2.25 S1000 M03\r\nN2 G01 Z-1. F100.;X3.\r\n"
-                           "N3 G02 X5. Y0. R10.\nG91 G28 Z0\n\nM30\r\n%";
+  const std::string text =
+      "%\r\nO0001 (\xd6\xd0)\r\nN1 G90 G54 G00 X1.5 Y-2.25 S1000 M03\r\nN2 G01 Z-1. F100.;X3.\r\n"
+      "N3 G02 X5. Y0. R10.\nG91 G28 Z0\n\nM30\r\n%";
   Bench whole("fanuc-0i-m");
   const auto expected = whole.run(program::source_from_text(text));
   ASSERT_GT(expected.size(), 6u);
@@ -131,7 +133,8 @@ TEST(Stream, AMillionInchIncrementsDoNotDrift) {
 TEST(Stream, TenMegabytesOnOneLineAreAnAlarmWithItsLine) {
   for (const std::string_view name : dialects::dialect_names()) {
     Bench bench(name);
-    const auto made = bench.run(program::source_from_text("G00 X1.\nX" + std::string(10'000'000, '1') + "\n"));
+    const auto made =
+        bench.run(program::source_from_text("G00 X1.\nX" + std::string(10'000'000, '1') + "\n"));
     ASSERT_EQ(made.size(), 2u) << name;
     const auto* alarm = std::get_if<Alarm>(&made[1]);
     ASSERT_NE(alarm, nullptr);
@@ -217,8 +220,9 @@ TEST(Data, WritesOfAProgramAreReported) {
     seen.push_back(change.what + " " + std::to_string(change.before) + " " + std::to_string(change.after));
   });
   bench.run(program::source_from_text("G10 P3 X1.5 W0.25\nG10 P10003 R0.4\nG10 L2 P2 Z5.\nM30\n"));
-  EXPECT_EQ(seen, (std::vector<std::string>{"tool/3/wear/Z 0.000000 0.250000", "tool/3/wear/X 0.000000 1.500000",
-                                            "tool/3/radius 0.000000 0.400000", "work/G55/Z 0.000000 5.000000"}));
+  EXPECT_EQ(seen,
+            (std::vector<std::string>{"tool/3/wear/Z 0.000000 0.250000", "tool/3/wear/X 0.000000 1.500000",
+                                      "tool/3/radius 0.000000 0.400000", "work/G55/Z 0.000000 5.000000"}));
 }
 
 }  // namespace

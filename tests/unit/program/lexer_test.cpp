@@ -65,14 +65,15 @@ TEST_P(LexerErrors, HaveTheirColumn) {
   EXPECT_EQ(l.result.error, GetParam().error);
   EXPECT_EQ(l.result.column, GetParam().column);
 }
-INSTANTIATE_TEST_SUITE_P(Text, LexerErrors,
-                         testing::Values(Wrong{"G1 10.5", LexError::no_address, 4}, Wrong{"X", LexError::no_data, 1},
-                                         Wrong{"G1 X Y1", LexError::no_data, 4}, Wrong{"X1.2.3", LexError::illegal_point, 1},
-                                         Wrong{"X1-2", LexError::illegal_minus, 1}, Wrong{"X--2", LexError::no_data, 1},
-                                         Wrong{"G1 $X1", LexError::illegal_character, 4},
-                                         Wrong{"G1 \xd5", LexError::illegal_character, 4},
-                                         Wrong{"N-5", LexError::sequence_format, 1},
-                                         Wrong{"X#1", LexError::expression, 1}, Wrong{"M-3", LexError::illegal_minus, 1}));
+INSTANTIATE_TEST_SUITE_P(
+    Text, LexerErrors,
+    testing::Values(Wrong{"G1 10.5", LexError::no_address, 4}, Wrong{"X", LexError::no_data, 1},
+                    Wrong{"G1 X Y1", LexError::no_data, 4}, Wrong{"X1.2.3", LexError::illegal_point, 1},
+                    Wrong{"X1-2", LexError::illegal_minus, 1}, Wrong{"X--2", LexError::no_data, 1},
+                    Wrong{"G1 $X1", LexError::illegal_character, 4},
+                    Wrong{"G1 \xd5", LexError::illegal_character, 4},
+                    Wrong{"N-5", LexError::sequence_format, 1}, Wrong{"X#1", LexError::expression, 1},
+                    Wrong{"M-3", LexError::illegal_minus, 1}));
 
 TEST(Lexer, CommentsInAnyEncoding) {
   EXPECT_EQ(lex("G1 (\xe4\xb8\xad\xe6\x96\x87 UTF-8) X1").block['X'].integer(), 1);
@@ -99,7 +100,10 @@ TEST(Lexer, SemicolonEndsTheBlockOrStartsAComment) {
 }
 
 TEST(Lexer, BlankTapeIsSkipped) {
-  const std::string line("\0\0G1 \x7f" "X\t5\0", 9);
+  const std::string line(
+      "\0\0G1 \x7f"
+      "X\t5\0",
+      9);
   EXPECT_EQ(lex(line).block['X'].integer(), 5);
 }
 

@@ -35,7 +35,8 @@ TEST(FilePrograms, OneTextWithSeveralPrograms) {
 }
 
 TEST(FilePrograms, FolderByNumberAndName) {
-  const auto folder = std::filesystem::temp_directory_path() / ("headstock_programs_" + std::to_string(::getpid()));
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("headstock_programs_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "O0100.nc") << "hundred";
   std::ofstream(folder / "o200") << "two hundred";
