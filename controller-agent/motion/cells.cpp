@@ -14,8 +14,8 @@ constexpr double kJerkUnlimited = 1e9;
 // margins pay for derivatives that change within one period.
 constexpr double kVelocity = 0.9995, kAcceleration = 0.99, kJerk = 0.96;
 constexpr double kBendShare = 0.96;      // of the acceleration for curvature at the highest speed
-constexpr double kTwistShare = 0.4;      // of the jerk for twist at the highest speed
-constexpr double kSmoothingShare = 1.5;  // smoothing time over (acceleration / jerk)
+constexpr double kTwistShare = 0.6;      // of the jerk for twist at the highest speed
+constexpr double kSmoothingShare = 1.0;  // smoothing time over (acceleration / jerk)
 constexpr std::size_t kMostSmoothing = 1024;
 
 }  // namespace
