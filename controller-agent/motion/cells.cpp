@@ -17,7 +17,7 @@ constexpr double kBendShare = 0.97;      // of the acceleration for curvature at
 constexpr double kTwistShare = 0.6;      // of the jerk for twist at the highest speed
 constexpr double kSmoothingShare = 1.0;  // smoothing time over (acceleration / jerk)
 constexpr double kWindowMargin = 0.5;    // periods; a period may begin in one cell and end in another
-constexpr int kBendParts = 4;
+constexpr double kMostBendParts = 4, kBlur = 0.1;  // of a bend; share of its reach worth telling apart
 constexpr std::size_t kMostSmoothing = 1024;
 
 }  // namespace
@@ -111,9 +111,15 @@ void CellMaker::limit(RawCell& target, const RawCell& by) {
 }
 
 void CellMaker::add(const Span& span) {
-  // A bend is cut finely enough that its limits follow it; a straight stretch has only one set.
+  // A bend is cut so that its limits follow it, as far as spreading them would not blur that again; a
+  // straight stretch has only one set.
   const double length = span.end - span.begin;
-  const int parts = span.straight ? 1 : kBendParts;
+  int parts = 1;
+  if (!span.straight) {
+    RawCell whole;
+    measure(span, span.begin, span.end, whole);
+    parts = static_cast<int>(std::clamp(std::ceil(length / (kBlur * whole.reach)), 1.0, kMostBendParts));
+  }
   double from = span.begin;
   for (int i = 1; i <= parts; ++i) {
     const double to = i == parts ? span.end : span.begin + length * i / parts;
