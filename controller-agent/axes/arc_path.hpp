@@ -1,4 +1,5 @@
-// Positions along an arc, helix or spiral as the kernel traces it: radius and the axes outside the plane are linear in the angle.
+// Positions along an arc, helix or spiral as the kernel traces it: radius and the axes outside the plane are
+// linear in the angle.
 #pragma once
 
 #include <cmath>
@@ -19,10 +20,12 @@ class ArcPath {
   /// @param turned angle passed since the start, rad, of the sign of the sweep.
   double at(std::size_t axis, double turned) const {
     const double share = arc_.angle_rad == 0 ? 1 : turned / arc_.angle_rad;
-    if (axis != arc_.axis_1 && axis != arc_.axis_2) return start_[axis] + (arc_.end[axis] - start_[axis]) * share;
+    if (axis != arc_.axis_1 && axis != arc_.axis_2)
+      return start_[axis] + (arc_.end[axis] - start_[axis]) * share;
     const double radius = start_radius_ + (end_radius_ - start_radius_) * share;
     const double angle = start_angle_ + turned;
-    return axis == arc_.axis_1 ? arc_.center_1 + radius * std::cos(angle) : arc_.center_2 + radius * std::sin(angle);
+    return axis == arc_.axis_1 ? arc_.center_1 + radius * std::cos(angle)
+                               : arc_.center_2 + radius * std::sin(angle);
   }
   machine::AxisVector position(double turned) const {
     machine::AxisVector p{};

@@ -5,7 +5,8 @@
 
 namespace headstock::axes {
 namespace {
-// The loops of a servo amplifier run faster than the interpolation; four times keeps the simulation stable up to 8 ms.
+// The loops of a servo amplifier run faster than the interpolation; four times keeps the simulation stable up
+// to 8 ms.
 constexpr int kLoopsAPeriod = 4;
 }  // namespace
 
@@ -26,6 +27,7 @@ void SimulatedDrive::command(const AxisVector& position) noexcept {
   for (std::size_t i = 0; i < axes_; ++i) {
     const double from = command_[i];
     if (enabled_) command_[i] = position[i];
+    if (!enabled_) command_[i] = position_[i];
     for (int loop = 1; loop <= kLoopsAPeriod; ++loop) {
       // Without power the brake acts: the velocity wanted is zero.
       const double fine = from + (command_[i] - from) * loop / kLoopsAPeriod;

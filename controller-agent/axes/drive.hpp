@@ -1,5 +1,6 @@
-// What carries out the set-points: a servo drive of the field bus, the simulated one, or the one that only writes down.
-// All calls come from the real-time thread, one `command` a period; no call may allocate, lock or throw.
+// What carries out the set-points: a servo drive of the field bus, the simulated one, or the one that only
+// writes down. All calls come from the real-time thread, one `command` a period; no call may allocate, lock
+// or throw.
 #pragma once
 
 #include <array>
@@ -59,12 +60,12 @@ class RecorderDrive final : public Drive {
   std::vector<AxisVector> record_;
 };
 
-/// A servo axis as a position loop over a velocity loop over an inertia: it lags by speed / position_gain, settles
-/// without overshoot, and cannot accelerate faster than its torque allows.
+/// A servo axis as a position loop over a velocity loop over an inertia: it lags by speed / position_gain,
+/// settles without overshoot, and cannot accelerate faster than its torque allows.
 struct ServoTuning {
-  double position_gain_per_s = 50;     ///< following error [mm] = speed [mm/s] / this
-  double velocity_gain_per_s = 600;    ///< 1 / time constant of the velocity loop
-  double torque_reserve = 2.5;         ///< greatest acceleration, as a multiple of the axis' max_acceleration
+  double position_gain_per_s = 50;   ///< following error [mm] = speed [mm/s] / this
+  double velocity_gain_per_s = 600;  ///< 1 / time constant of the velocity loop
+  double torque_reserve = 2.5;       ///< greatest acceleration, as a multiple of the axis' max_acceleration
 };
 
 class SimulatedDrive final : public Drive {

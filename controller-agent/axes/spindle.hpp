@@ -11,7 +11,8 @@ namespace headstock::axes {
 
 class SimulatedSpindle {
  public:
-  explicit SimulatedSpindle(const machine::Spindle& spindle) : acceleration_rpm_s_(spindle.acceleration_rpm_s) {}
+  explicit SimulatedSpindle(const machine::Spindle& spindle)
+      : acceleration_rpm_s_(spindle.acceleration_rpm_s) {}
 
   /// @param rpm signed: > 0 turns clockwise (M03).
   void command(double rpm) noexcept { commanded_rpm_ = rpm; }

@@ -21,8 +21,9 @@ double stop_coordinate(double limit, bool positive) {
   return positive ? limit - kStopBeforeLimit_mm : limit + kStopBeforeLimit_mm;
 }
 
-// The stretches of an arc's angle on which both plane axes run one way only. Turning points of c + r(φ)·cos(θ+φ) with
-// r linear in φ lie where tan(angle) = r'/r, a quarter turn apart up to the slow change of r.
+// The stretches of an arc's angle on which both plane axes run one way only. Turning points of c +
+// r(φ)·cos(θ+φ) with r linear in φ lie where tan(angle) = r'/r, a quarter turn apart up to the slow change of
+// r.
 class MonotoneStretches {
  public:
   explicit MonotoneStretches(const ArcPath& path) : path_(path), sign_(path.sweep() < 0 ? -1 : 1) {
@@ -117,7 +118,8 @@ std::optional<Overtravel> arc_overtravel(const machine::Machine& machine, const 
 
 bool near(const machine::Machine& machine, const AxisVector& point, double distance_mm) {
   for (std::size_t i = 0; i < machine.axes.size(); ++i)
-    if (point[i] > machine.axes[i].max_mm - distance_mm || point[i] < machine.axes[i].min_mm + distance_mm) return true;
+    if (point[i] > machine.axes[i].max_mm - distance_mm || point[i] < machine.axes[i].min_mm + distance_mm)
+      return true;
   return false;
 }
 

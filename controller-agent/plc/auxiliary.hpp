@@ -1,6 +1,7 @@
-// Auxiliary functions: an M, S or T code goes to the machine as a request and the program goes on when the machine says
-// "finished" (the FIN handshake). A ladder program can take the place of the built-in answer behind the same interface.
-// Every call comes from the real-time thread: no allocation, lock, system call or exception.
+// Auxiliary functions: an M, S or T code goes to the machine as a request and the program goes on when the
+// machine says "finished" (the FIN handshake). A ladder program can take the place of the built-in answer
+// behind the same interface. Every call comes from the real-time thread: no allocation, lock, system call or
+// exception.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +19,7 @@ struct Request {
   Turning turning = Turning::stop;  ///< spindle: the state it shall have
   double speed = 0;                 ///< rpm, or m/min under constant surface speed
   bool constant_surface_speed = false;
-  double clamp_rpm = 0;             ///< 0: none
+  double clamp_rpm = 0;  ///< 0: none
 };
 
 /// What the machine reports to the ladder.
@@ -35,7 +36,7 @@ struct Outputs {
   double clamp_rpm = 0;
   bool coolant = false;
   bool mist = false;
-  std::int32_t tool = 0;            ///< in the spindle or cutting position
+  std::int32_t tool = 0;  ///< in the spindle or cutting position
 };
 
 class Auxiliary {

@@ -1,5 +1,5 @@
-// The answer for machines without a ladder of their own: M03/M04/M05 drive the spindle and finish at speed, M07/M08/M09
-// switch coolant, T takes a tool, every other code just takes its time.
+// The answer for machines without a ladder of their own: M03/M04/M05 drive the spindle and finish at speed,
+// M07/M08/M09 switch coolant, T takes a tool, every other code just takes its time.
 #pragma once
 
 #include "plc/auxiliary.hpp"
@@ -8,8 +8,8 @@ namespace headstock::plc {
 
 /// How long functions take, seconds.
 struct Times {
-  double m_s = 0.016;      ///< TFIN: the shortest FIN a FANUC accepts by default (No. 3011)
-  double tool_s = 0.5;     ///< turret or magazine
+  double m_s = 0.016;   ///< TFIN: the shortest FIN a FANUC accepts by default (No. 3011)
+  double tool_s = 0.5;  ///< turret or magazine
 };
 
 class BuiltIn final : public Auxiliary {
