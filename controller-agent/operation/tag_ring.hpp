@@ -11,6 +11,8 @@
 
 namespace headstock::operation {
 
+using machine::AxisVector;
+
 struct SegmentState {
   std::uint64_t tag = 0;  ///< 0: nothing has moved yet
   interp::SourcePosition at;
