@@ -59,13 +59,13 @@ bool is_motion(const interp::Operation& operation) {
 }
 
 const interp::Motion& motion_of(const interp::Operation& operation) {
-  static const interp::Motion none{};
-  return std::visit(Overloaded{[](const interp::Rapid& m) -> const interp::Motion& { return m; },
-                               [](const interp::Feed& m) -> const interp::Motion& { return m; },
-                               [](const interp::Arc& m) -> const interp::Motion& { return m; },
-                               [](const interp::Thread& m) -> const interp::Motion& { return m; },
-                               [](const auto&) -> const interp::Motion& { return none; }},
-                    operation);
+  static const interp::Motion kNone{};
+  return std::visit(
+      [](const auto& op) -> const interp::Motion& {
+        if constexpr (std::is_base_of_v<interp::Motion, std::decay_t<decltype(op)>>) return op;
+        return kNone;
+      },
+      operation);
 }
 
 void MotionFeed::set_position(const AxisVector& position) {

@@ -1,5 +1,7 @@
 #include "operation/virtual_time.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace headstock::operation {
@@ -44,6 +46,22 @@ std::shared_ptr<program::Programs> single_program(std::function<std::unique_ptr<
   return std::make_shared<SingleProgram>(std::move(open), std::move(others));
 }
 
+void PeriodCost::add(std::uint64_t ns) {
+  ++bins_[std::min<std::uint64_t>(ns / kBin_ns, bins_.size() - 1)];
+  ++count_;
+  max_ns_ = std::max(max_ns_, ns);
+}
+
+double PeriodCost::percentile_us(double share) const {
+  const auto wanted = static_cast<std::uint64_t>(share * static_cast<double>(count_));
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i + 1 < bins_.size() && share < 1; ++i) {
+    sum += bins_[i];
+    if (sum > 0 && sum >= wanted) return static_cast<double>((i + 1) * kBin_ns) / 1000;
+  }
+  return static_cast<double>(max_ns_) / 1000;
+}
+
 void VirtualRun::take_events() {
   TimedEvent event;
   bool any = false;
@@ -59,8 +77,14 @@ void VirtualRun::period() {
   take_events();
   while (controller_.work()) {
   }
-  controller_.step();
   ++periods;
+  if (!cost) {
+    controller_.step();
+    return;
+  }
+  const auto before = std::chrono::steady_clock::now();
+  controller_.step();
+  cost->add(static_cast<std::uint64_t>((std::chrono::steady_clock::now() - before).count()));
 }
 
 RunEnd VirtualRun::run(const std::function<bool()>& each_period) {

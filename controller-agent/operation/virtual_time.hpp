@@ -2,6 +2,7 @@
 // tests. The same code as on the machine; only the clock differs.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -27,6 +28,19 @@ enum class RunEnd : std::uint8_t {
   refused         ///< cycle start was refused: VirtualRun::reason
 };
 
+/// How long the calls of step() took: a histogram, so that hours of periods need no memory.
+class PeriodCost {
+ public:
+  void add(std::uint64_t ns);
+  /// @param share 0…1: the cost that this share of the periods does not exceed [µs], to 20 ns; 1 gives the maximum.
+  double percentile_us(double share) const;
+
+ private:
+  static constexpr std::uint64_t kBin_ns = 20;
+  std::array<std::uint64_t, 10'000> bins_{};
+  std::uint64_t count_ = 0, max_ns_ = 0;
+};
+
 /// Runs one program to its end.
 class VirtualRun {
  public:
@@ -35,6 +49,7 @@ class VirtualRun {
   bool answer_stops = true;        ///< M00, M01: cycle start is pressed at once
   std::string reason;              ///< of a refusal
   std::uint64_t periods = 0;       ///< made so far
+  PeriodCost* cost = nullptr;  ///< measures step() when set; not owned
   std::vector<TimedEvent> events;  ///< taken from the controller; alarms are kept here too
 
   /// Presses cycle start and goes on until the run ends. `each_period` is called after every period while the
