@@ -20,10 +20,12 @@
 namespace headstock::offline {
 namespace {
 
+using machine::AxisVector;
+
 struct SimulateOptions {
   Options controller;
   std::string file, trace;
-  int period_us = 0;   // 0: as the machine says
+  int period_us = 0;  // 0: as the machine says
   bool quick = false;
 };
 
@@ -52,8 +54,10 @@ class Measurement {
   }
 
   void operation(const interp::Operation& operation) {
-    const auto& at = std::visit([](const auto& o) -> const interp::SourcePosition& { return o.at; }, operation);
-    if (at.line != block_.line || at.program != block_.program || at.byte_offset != block_.byte_offset) ++blocks;
+    const auto& at =
+        std::visit([](const auto& o) -> const interp::SourcePosition& { return o.at; }, operation);
+    if (at.line != block_.line || at.program != block_.program || at.byte_offset != block_.byte_offset)
+      ++blocks;
     block_ = at;
   }
   void move(const motion::Move& move) {
@@ -93,13 +97,13 @@ class Measurement {
   void write_row(const motion::Sample& sample) {
     row_.clear();
     auto out = std::back_inserter(row_);
-    fmt::format_to(out, "{:.6f},{}", static_cast<double>(periods) * period_s_, controller_.traced_block().line);
+    fmt::format_to(out, "{:.6f},{}", static_cast<double>(periods) * period_s_,
+                   controller_.traced_block().line);
     for (std::size_t i = 0; i < axes_; ++i) fmt::format_to(out, ",{:.9f}", sample.position[i]);
     fmt::format_to(out, ",{:.3f}", controller_.spindle_rpm());
     trace_->print("{}\n", row_);
   }
 
-  using AxisVector = machine::AxisVector;
   const operation::Controller& controller_;
   const std::size_t axes_;
   const double period_s_;
@@ -142,7 +146,8 @@ int simulate(const SimulateOptions& options) {
     session->programs.add_file(options.file);
   }
 
-  operation::Controller controller(session->machine, session->data, operation::virtual_options(session->switches));
+  operation::Controller controller(session->machine, session->data,
+                                   operation::virtual_options(session->switches));
   Measurement measurement(controller, session->start_position(), !options.quick);
   try {
     if (!options.trace.empty()) measurement.open_trace(options.trace);
@@ -154,9 +159,9 @@ int simulate(const SimulateOptions& options) {
 
   const std::shared_ptr<program::Programs> others(std::shared_ptr<void>(), &session->programs);
   const auto programs = operation::single_program([&] { return open_program(options.file); }, others);
-  const operation::CommandResult selected =
-      options.file == "-" ? controller.select_stream("main", {}, open_program("-"), 0)
-                          : controller.select("main", {}, programs);
+  const operation::CommandResult selected = options.file == "-"
+                                                ? controller.select_stream("main", {}, open_program("-"), 0)
+                                                : controller.select("main", {}, programs);
   if (!selected.accepted) return fail("refused: " + selected.reason);
 
   operation::VirtualRun run(controller);
@@ -201,8 +206,8 @@ int simulate(const SimulateOptions& options) {
 
 void add_simulate(CLI::App& app, int& exit_status) {
   const auto options = std::make_shared<SimulateOptions>();
-  auto* command =
-      app.add_subcommand("simulate", "Run a program on the controller in virtual time: time, limits kept, path error");
+  auto* command = app.add_subcommand(
+      "simulate", "Run a program on the controller in virtual time: time, limits kept, path error");
   add_options(*command, options->controller);
   command->add_option("--period-us", options->period_us, "Interpolation period instead of the machine's")
       ->check(CLI::Range(250, 8'000));

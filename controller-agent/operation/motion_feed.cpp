@@ -18,6 +18,8 @@ struct Overloaded : Ts... {
 template <typename... Ts>
 Overloaded(Ts...) -> Overloaded<Ts...>;
 
+const interp::Motion kNoMotion{};
+
 // A move whose tag nobody could see: shorter than any axis can resolve.
 constexpr double kNoMove_mm = 1e-9;
 
@@ -59,11 +61,12 @@ bool is_motion(const interp::Operation& operation) {
 }
 
 const interp::Motion& motion_of(const interp::Operation& operation) {
-  static const interp::Motion kNone{};
   return std::visit(
       [](const auto& op) -> const interp::Motion& {
-        if constexpr (std::is_base_of_v<interp::Motion, std::decay_t<decltype(op)>>) return op;
-        return kNone;
+        if constexpr (std::is_base_of_v<interp::Motion, std::decay_t<decltype(op)>>)
+          return op;
+        else
+          return kNoMotion;
       },
       operation);
 }

@@ -32,7 +32,8 @@ enum class RunEnd : std::uint8_t {
 class PeriodCost {
  public:
   void add(std::uint64_t ns);
-  /// @param share 0…1: the cost that this share of the periods does not exceed [µs], to 20 ns; 1 gives the maximum.
+  /// @param share 0…1: the cost that this share of the periods does not exceed [µs], to 20 ns; 1 gives the
+  /// maximum.
   double percentile_us(double share) const;
 
  private:
@@ -49,7 +50,7 @@ class VirtualRun {
   bool answer_stops = true;        ///< M00, M01: cycle start is pressed at once
   std::string reason;              ///< of a refusal
   std::uint64_t periods = 0;       ///< made so far
-  PeriodCost* cost = nullptr;  ///< measures step() when set; not owned
+  PeriodCost* cost = nullptr;      ///< measures step() when set; not owned
   std::vector<TimedEvent> events;  ///< taken from the controller; alarms are kept here too
 
   /// Presses cycle start and goes on until the run ends. `each_period` is called after every period while the
