@@ -186,7 +186,9 @@ CommandResult Controller::Impl::command(const Command& command) {
       return set_switch(dry_run);
     case Action::set_machine_lock:
       if (phase != Phase::idle || emergency) return refused("running");
-      if (realtime.machine_lock.exchange(on) && !on) {
+      if (on) {
+        realtime.machine_lock = true;
+      } else if (realtime.machine_lock) {
         // The shown positions have wandered off; the axes have not: the controller takes up where they stand.
         phase = Phase::aborting;
         unlocked = true;

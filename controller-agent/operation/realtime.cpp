@@ -48,6 +48,9 @@ void Realtime::abort_over() {
 }
 
 void Realtime::step() noexcept {
+  // Read before anything else: the lock is taken off after the new position has been set, so who sees it off
+  // here gets the new position from the kernel below.
+  const bool locked = machine_lock.load(std::memory_order_seq_cst);
   const std::uint64_t abort = abort_.load(std::memory_order_acquire);
   if (abort != abort_seen_) {
     abort_seen_ = abort;
@@ -64,7 +67,7 @@ void Realtime::step() noexcept {
     state_.sample = kernel_.step(overrides, spindle_.phase_rad(), std::abs(spindle_.rpm()));
   }
   step_spindle();
-  step_drives();
+  step_drives(locked);
   const bool aborting = stopped_.load(std::memory_order_relaxed) != abort_seen_;
   if (aborting) {
     if (kernel_.aborted() && !state_.sample.moving) {
@@ -152,8 +155,8 @@ void Realtime::step_spindle() noexcept {
   state_.spindle_commanded_rpm = rpm;
 }
 
-void Realtime::step_drives() noexcept {
-  if (!machine_lock.load(std::memory_order_relaxed)) drive_command_ = state_.sample.position;
+void Realtime::step_drives(bool locked) noexcept {
+  if (!locked) drive_command_ = state_.sample.position;
   drive_->enable(!emergency_stop.load(std::memory_order_relaxed));
   drive_->command(drive_command_);
   const AxisVector before = state_.actual;

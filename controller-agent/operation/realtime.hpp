@@ -90,7 +90,7 @@ class Realtime {
  private:
   void step_interlude() noexcept;
   void step_spindle() noexcept;
-  void step_drives() noexcept;
+  void step_drives(bool locked) noexcept;
   void begin(const Interlude& interlude) noexcept;
   bool finished() noexcept;
 

@@ -236,7 +236,6 @@ void Controller::Impl::after_abort() {
   // Without power, or after machine lock, only the measured position is true.
   const bool measured = emergency || unlocked;
   if (measured && !now.drives_at_rest) return;
-  unlocked = false;
   const AxisVector position = measured ? now.actual : now.sample.position;
   kernel.set_position(position);
   feed.set_position(position);
@@ -244,6 +243,9 @@ void Controller::Impl::after_abort() {
   realtime.hold = false;
   realtime.running = false;
   realtime.abort_over();
+  // Only now, when the commanded position is the measured one again, may the drives follow it.
+  if (unlocked) realtime.machine_lock = false;
+  unlocked = false;
   await = Await::nothing;
   has_operation = false;
   last_block = {};

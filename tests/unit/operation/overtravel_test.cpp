@@ -70,12 +70,13 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"fanuc-0i-m", "O1\nG90 G94 G21 G17\nG01 X30. Y-30. F3000.\nG03 X30. Y30. I0. J30.\nM30\n",
              "OT0500", 'X', true},
         Case{"fanuc-0i-t", "O1\nG21 G98\nG01 X10. Z0. F3000.\nX120.\nM30\n", "OT0500", 'X', true},
-        Case{"fanuc-0i-t", "O1\nG21 G98\nG01 X20. Z-40. F1000.\nG03 X20. Z40. R40.1\nM30\n", "OT0500", 'X',
+        Case{"fanuc-0i-t", "O1\nG21 G98\nG01 X60. Z-40. F1000.\nG02 X60. Z40. R40.1\nM30\n", "OT0500", 'X',
              true},
         Case{"gsk-2000tc", "O1\nG21 G98\nG01 X10. Z0. F3000.\nX-120.\nM30\n", "202", 'X', false},
         Case{"gsk-218t", "O1\nG21 G98\nG01 X10. Z0. F3000.\nZ60.\nM30\n", "203", 'Z', true},
         Case{"k2000tc", "O1\nG21 G98\nG01 X10. Z0. F3000.\nZ-60.\nM30\n", "OT0501", 'Z', false},
-        Case{"lathe-200t", "O1\nG90\nG01 X10. Z0. F1000\nG01 Z60. F1000\nM02\n", "A10", 'Z', true}));
+        Case{"lathe-200t", "G00 X10 Z0\nG01 X12 F1000\nG01 X14 F1000\nG01 Z60 F1000\nM02\n", "A10", 'Z',
+             true}));
 
 }  // namespace
 }  // namespace headstock::operation

@@ -51,7 +51,10 @@ TEST(Stop, HoldAndResumeAtRandomInstantsChangesNeitherPathNorCount) {
           check_period(bench, last);
         }
         ASSERT_FALSE(pause > 500 && bench.controller.sample().moving);
-        ASSERT_TRUE(bench.start());
+        // M30 may have been reached in the meantime: then there is nothing to go on with.
+        if (bench.state() == State::hold) {
+          ASSERT_TRUE(bench.start());
+        }
       }
       ASSERT_LT(bench.periods, 200'000u);
     }

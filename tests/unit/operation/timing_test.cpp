@@ -30,7 +30,8 @@ OpenProgram text(const std::string& program) {
 TEST(Estimate, TimeLengthBoundsAndTools) {
   const auto machine = *machine::default_machine("fanuc-0i-m");
   const RunEstimate estimate = operation::estimate(
-      machine, {}, text("O1\nT3 M06\nG90 G94 G21\nG01 X100. F600.\nG01 Y-50.\nT5 M06\nG00 X0. Y0.\nM30\n"),
+      machine, {},
+      text("O1\nT3 M06\nG90 G94 G21\nG09 G01 X100. F600.\nG09 G01 Y-50.\nT5 M06\nG00 X0. Y0.\nM30\n"),
       nullptr);
   EXPECT_TRUE(estimate.complete) << estimate.incomplete_reason;
   EXPECT_TRUE(estimate.counts_part);
@@ -102,7 +103,7 @@ TEST(Backplot, ArcsAreChordsWithinTheToleranceInWorkCoordinates) {
     y = points[i + 1];
   }
   EXPECT_NEAR(x, -20, 1e-4);
-  EXPECT_NEAR(plot.max_mm[1], 20, 0.02);
+  EXPECT_NEAR(plot.max_mm[1], 50, 1e-9) << "the start at the reference point counts";
   EXPECT_FALSE(plot.truncated);
 }
 
