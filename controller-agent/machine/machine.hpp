@@ -16,6 +16,12 @@ namespace headstock::machine {
 /// How an axis' words are understood when a program gives its position.
 enum class Designation { radius, diameter };
 
+/// One point of an axis' pitch-error table: what the measured screw is off at a machine position.
+struct PitchError {
+  double position_mm = 0;
+  double error_um = 0;                      ///< measured minus commanded, −1000…1000
+};
+
 /// `[axis.X]`. Positions are slide positions in machine coordinates: mm (radius on a lathe's X) or degrees.
 struct Axis {
   char name = 'X';                          ///< address letter: X Y Z A B C U V W
@@ -28,7 +34,8 @@ struct Axis {
   double min_mm = -1'000;                   ///< stored stroke check 1, negative side
   double max_mm = 1'000;                    ///< stored stroke check 1, positive side
   double reference_mm = 0;                  ///< machine coordinate of reference point 1
-  double backlash_um = 0;                   ///< >= 0
+  double backlash_um = 0;                   ///< 0…1000
+  std::vector<PitchError> pitch_error;      ///< `[[position_mm, error_um], …]`, positions ascending; linear between
 };
 
 struct Spindle {
