@@ -77,7 +77,7 @@ class StreamBody final : public BoundedBody {
       beast::get_lowest_layer(stream_).expires_after(limits_.body_time);
       auto [error, ignored] = co_await http::async_read(stream_, buffer_, parser_, tuple);
       if (error == http::error::need_buffer) error = {};
-      if (error) throw Refused("upload_cut");
+      if (error) throw Refused("upload_incomplete");
       const std::size_t got = at_most - body.size;
       total_ += got;
       if (total_ > limit) throw Refused("too_large");

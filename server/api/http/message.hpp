@@ -30,7 +30,7 @@ struct Headers {
 class Body {
  public:
   virtual ~Body() = default;
-  /// @return bytes written to `into`, 0 at the end. Throws Refused("upload_cut") when the client stops in the middle,
+  /// @return bytes written to `into`, 0 at the end. Throws Refused("upload_incomplete") when the client stops in the middle,
   /// Refused("too_large") above the route's limit.
   virtual boost::asio::awaitable<std::size_t> read(char* into, std::size_t at_most) = 0;
   /// Content-Length, if the client said one.

@@ -90,7 +90,7 @@ Router::Match Router::match(Method method, std::string_view path) const {
 }
 
 std::string admission(const Route& route, const Principal& who, bool by_cookie, const Headers& headers) {
-  if (route.role != Role::none && who.role == Role::none) return "not_signed_in";
+  if (route.role != Role::none && who.role == Role::none) return "unauthenticated";
   if (who.role < route.role) return "forbidden";
   if (route.role != Role::none && by_cookie && route.method != Method::get && headers.x_headstock != "1")
     return "cross_site";

@@ -14,6 +14,7 @@
 #include <boost/asio/ssl/context.hpp>
 
 #include "server/api/http/router.hpp"
+#include "server/api/http/session_cookie.hpp"
 
 namespace headstock::api {
 
@@ -74,8 +75,6 @@ class WebServer {
   std::shared_ptr<Impl> impl_;   // connections under way keep it
 };
 
-/// Name of the session cookie.
-inline constexpr const char* session_cookie = "headstock_session";
 /// The value of `name` in a Cookie header; empty when absent.
 std::string cookie_value(const std::string& cookie_header, const std::string& name);
 /// Splits a request's target into path and query, percent-decoded. @return false when malformed or with a NUL.
