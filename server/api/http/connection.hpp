@@ -16,7 +16,7 @@ namespace headstock::api {
 /// A connection in the server's list, so that stopping can reach it.
 struct Connected {
   bool idle = true;               ///< between two requests, or a WebSocket: nothing is lost by cutting it
-  std::function<void()> cut;
+  std::function<void()> cut{};
 };
 
 /// What all connections of one server share.
@@ -24,9 +24,9 @@ struct Shared {
   const Router& router;
   WebHost host;
   Limits limits;
-  std::list<Connected> connections;
+  std::list<Connected> connections{};
   bool stopping = false;
-  std::function<void()> emptied;  ///< called when the last connection has gone
+  std::function<void()> emptied{};  ///< called when the last connection has gone
 };
 
 boost::asio::awaitable<void> serve_plain(boost::asio::ip::tcp::socket socket, std::shared_ptr<Shared> shared);

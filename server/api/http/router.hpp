@@ -45,16 +45,16 @@ struct Query { std::string name, type, about; };
 
 struct Route {
   Method method = Method::get;
-  std::string pattern;           ///< "/machines/{id}", below /api/v1
+  std::string pattern{};           ///< "/machines/{id}", below /api/v1
   Role role = Role::viewer;      ///< least role; `none`: no sign-in needed
-  std::string summary;
+  std::string summary{};
   Takes takes = Takes::nothing;
-  std::string request;           ///< name of a schema in schemas.cpp; empty: no JSON body
-  std::string response;          ///< name of a schema; empty: no body; "bytes": octets
+  std::string request{};           ///< name of a schema in schemas.cpp; empty: no JSON body
+  std::string response{};          ///< name of a schema; empty: no body; "bytes": octets
   unsigned status = 200;         ///< of success
-  std::vector<Query> query;
-  std::vector<std::string> errors;  ///< codes beyond those every route may give
-  Handler handler;
+  std::vector<Query> query{};
+  std::vector<std::string> errors{};  ///< codes beyond those every route may give
+  Handler handler{};
 };
 
 /// Prefix of every route.

@@ -59,7 +59,7 @@ Reply answered(const server::MachineAnswer& answer) {
 }
 
 void announce(Services& s, const char* what, std::int64_t machine) {
-  s.changes.publish({"machine", machine, std::make_shared<const json>(json{{"change", what}, {"id", machine}})});
+  s.changes.publish({"machine", machine, std::make_shared<const json>(json{{"change", what}, {"id", machine}, {"removed", std::string_view(what) == "removed"}})});
 }
 
 std::vector<Route> managing(Services& s) {

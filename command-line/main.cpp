@@ -1,0 +1,34 @@
+// `headstock`: the client of the server, and the tools that need no server.
+
+#include <CLI/CLI.hpp>
+
+#include "command-line/client/client.hpp"
+#ifdef HEADSTOCK_OFFLINE_INTERPRET
+#include "command-line/offline/offline.hpp"
+#endif
+#ifdef HEADSTOCK_OFFLINE_SIMULATE
+#include "command-line/offline/simulate.hpp"
+#endif
+
+int main(int argc, char** argv) {
+  CLI::App app{"Headstock: machine-shop programs, machines and controllers", "headstock"};
+  app.set_version_flag("--version", std::string("headstock ") + HEADSTOCK_VERSION);
+  app.require_subcommand(1);
+  headstock::client::Context context;
+#ifdef HEADSTOCK_OFFLINE_INTERPRET
+  headstock::offline::add_interpret(app, context.status);
+  headstock::offline::add_check(app, context.status);
+#endif
+#ifdef HEADSTOCK_OFFLINE_SIMULATE
+  headstock::offline::add_simulate(app, context.status);
+#endif
+  headstock::client::add_client(app, context);
+  app.footer("Exit status of the client's commands: 0 done, 1 usage or a local file, 2 refused by server or machine,\n"
+             "3 server not reachable, 4 not signed in.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
+  return context.status;
+}
