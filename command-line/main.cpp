@@ -2,12 +2,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "command-line/client/client.hpp"
-#ifdef HEADSTOCK_OFFLINE_INTERPRET
-#include "command-line/offline/offline.hpp"
-#endif
+#include "client/client.hpp"
+#include "offline/offline.hpp"
 #ifdef HEADSTOCK_OFFLINE_SIMULATE
-#include "command-line/offline/simulate.hpp"
+#include "offline/simulate.hpp"
 #endif
 
 int main(int argc, char** argv) {
@@ -15,16 +13,15 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("headstock ") + HEADSTOCK_VERSION);
   app.require_subcommand(1);
   headstock::client::Context context;
-#ifdef HEADSTOCK_OFFLINE_INTERPRET
   headstock::offline::add_interpret(app, context.status);
   headstock::offline::add_check(app, context.status);
-#endif
+  headstock::offline::add_profile(app, context.status);
 #ifdef HEADSTOCK_OFFLINE_SIMULATE
   headstock::offline::add_simulate(app, context.status);
 #endif
   headstock::client::add_client(app, context);
   app.footer("Exit status of the client's commands: 0 done, 1 usage or a local file, 2 refused by server or machine,\n"
-             "3 server not reachable, 4 not signed in.");
+             "3 server not reachable, 4 not signed in. The offline tools: 0 done, 1 usage or a file, 2 an alarm.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -33,6 +33,8 @@ struct ModalSnapshot {
   double feed = 0;               ///< F as programmed, in the unit of the feed group
   double spindle_speed = 0;      ///< S as programmed: rpm, or m/min (ft/min) under constant surface speed
   AxisVector work_zero{};        ///< machine coordinate of the active workpiece zero incl. tool offset [mm], radius on X
+  bool inch = false;             ///< G20: programming units are inches
+  bool per_revolution = false;   ///< the feed group says feed per revolution
 };
 
 enum class Plane : std::uint8_t { xy, zx, yz };

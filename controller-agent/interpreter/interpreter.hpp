@@ -16,6 +16,15 @@ namespace headstock::dialects { struct Dialect; }
 
 namespace headstock::interp {
 
+struct Executor;
+
+/// What a number without a decimal point means.
+enum class DecimalPoint : std::uint8_t {
+  as_machine,  ///< as the dialect and its parameter say
+  standard,    ///< X10 is 10 least increments
+  pocket       ///< pocket calculator: X10 is 10 mm
+};
+
 /// Switches of the machine that change what a block means.
 struct Switches {
   std::uint32_t block_skip = 0;   ///< bit n: /n is on (bit 1 also serves plain "/")
@@ -23,7 +32,7 @@ struct Switches {
   bool dry_run = false;
   bool lenient = false;           ///< field files: `;` comments, no O/%, bare numbers as mm
   char gcode_system = 'A';        ///< A, B or C (fanuc-0i-t)
-  bool pocket_calculator_decimal = false;  ///< `decimal_point=pocket`: X10 is 10 mm; standard: 10 least increments
+  DecimalPoint decimal_point = DecimalPoint::as_machine;
 };
 
 enum class Pull {
@@ -61,8 +70,7 @@ class Interpreter {
   AxisVector to_work(const AxisVector& machine_position, const ModalSnapshot& modal) const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<Executor> executor_;
 };
 
 }  // namespace headstock::interp

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "machine/axes.hpp"
@@ -26,12 +27,19 @@ struct ToolOffset {
 
 struct MachineData {
   std::vector<ToolOffset> tools;                       ///< index = offset number; [0] is always zero
-  std::array<AxisVector, 6> work{};                    ///< G54…G59 [mm]
-  std::array<AxisVector, 48> work_extra{};             ///< G54.1 P1…P48 [mm]
-  AxisVector work_external{};                          ///< EXT / shift [mm]
-  std::map<std::string, double> parameters;            ///< by the manual's number, "1401#1" for bits; absent = default
+  /// Zero offsets as the page shows them: mm, X as a diameter where the axis is diameter-programmed.
+  std::array<AxisVector, 6> work{};                    ///< G54…G59
+  std::array<AxisVector, 48> work_extra{};             ///< G54.1 P1…P48
+  AxisVector work_external{};                          ///< EXT; added to all of them
+  AxisVector work_shift{};                             ///< lathe: moves the origin of all of them
+  /// By the manual's number: "1401", "1401#1" for bits, "1241/X" for one axis; absent = default.
+  std::map<std::string, double, std::less<>> parameters;
   std::map<std::uint32_t, double> common_variables;    ///< #100…#199, #500…#999; absent = null
   std::uint64_t version = 0;                           ///< grows with every change
+
+  /// A parameter, or `otherwise` when it is not set.
+  double parameter(std::string_view number, double otherwise = 0) const;
+  bool bit(std::string_view number) const { return !number.empty() && parameter(number) != 0; }
 };
 
 /// Something a program changed (G10, a system variable, a cycle's write-back).
