@@ -1,7 +1,7 @@
-#include <array>
 #include <charconv>
 #include <chrono>
 
+#include "protocol/wire/reasons.hpp"
 #include "server/api/routes/routes.hpp"
 
 namespace headstock::api {
@@ -92,34 +92,8 @@ std::optional<std::int64_t> time_of(const Call& call, const std::string& name) {
   return time;
 }
 
-ReasonText reason_text(const std::string& reason) {
-  struct Row {
-    std::string_view key, en, zh;
-  };
-  static constexpr std::array<Row, 14> rows = {{
-      {"not_armed", "Remote operation is not armed: the operator must arm it at the machine's own panel",
-       "远程操作未许可：须由操作者在机床面板上许可"},
-      {"not_connected", "The machine is not connected", "机床未连接"},
-      {"timeout", "The machine did not answer in time; whether it acted is not known", "机床未及时应答，是否执行未知"},
-      {"running", "The machine is running", "机床正在运行"},
-      {"alarm", "The machine has an alarm; reset it first", "机床有报警，请先复位"},
-      {"emergency_stop", "The machine is in emergency stop", "机床处于急停状态"},
-      {"no_program", "No program is selected", "未选择程序"},
-      {"not_found", "The machine has no such program", "机床中没有该程序"},
-      {"memory_full", "The machine's program memory is full", "机床程序存储器已满"},
-      {"bad_hash", "The program arrived damaged and was not kept", "程序传输损坏，未保存"},
-      {"wrong_mode", "The machine is in another mode", "机床处于其他方式"},
-      {"panel_only", "This is possible at the machine's own panel only", "只能在机床面板上操作"},
-      {"bad_value", "The value is outside its range", "数值超出范围"},
-      {"bad_name", "The machine cannot use this program name", "机床不能使用该程序名"},
-  }};
-  for (const auto& row : rows)
-    if (row.key == reason) return {std::string(row.en), std::string(row.zh)};
-  return {reason, reason};
-}
-
 Reply machine_refusal(const std::string& reason) {
-  const auto text = reason_text(reason);
+  const auto text = protocol::reason_text(reason);
   return json_reply({{"accepted", false},
                      {"reason", reason},
                      {"error",
@@ -127,17 +101,6 @@ Reply machine_refusal(const std::string& reason) {
                        {"message", {{"en", text.en}, {"zh", text.zh}}},
                        {"where", reason}}}},
                     409);
-}
-
-void add_all_routes(Router& router, Services& services) {
-  router.add(system_routes(services, router));
-  router.add(session_routes(services));
-  router.add(user_routes(services));
-  router.add(machine_routes(services));
-  router.add(history_routes(services));
-  router.add(program_routes(services));
-  router.add(revision_routes(services));
-  router.add(transfer_routes(services));
 }
 
 }  // namespace headstock::api

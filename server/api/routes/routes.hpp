@@ -36,11 +36,6 @@ std::optional<std::int64_t> time_of(const Call& call, const std::string& name);
 /// @return nothing when malformed.
 std::optional<std::int64_t> parse_time(const std::string& text);
 
-/// Why a machine refused, in words; an unknown key is its own text.
-struct ReasonText {
-  std::string en, zh;
-};
-ReasonText reason_text(const std::string& reason);
 /// 409 `{accepted:false,reason,error}`.
 Reply machine_refusal(const std::string& reason);
 
