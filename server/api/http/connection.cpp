@@ -1,6 +1,6 @@
 #include "server/api/http/connection.hpp"
 
-#include <array>
+#include <type_traits>
 
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -204,6 +204,10 @@ template <class Stream>
 awaitable<void> linger(Stream& stream) {
   auto& tcp_stream = beast::get_lowest_layer(stream);
   boost::system::error_code ignored;
+  if constexpr (std::is_same_v<Stream, TlsStream>) {
+    tcp_stream.expires_after(std::chrono::seconds(2));
+    co_await stream.async_shutdown(tuple);
+  }
   tcp_stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
   std::vector<char> waste(64 * 1024);
   tcp_stream.expires_after(std::chrono::seconds(2));
