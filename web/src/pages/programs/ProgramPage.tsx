@@ -47,7 +47,7 @@ export function ProgramPage({ id }: { id: number }) {
           <select name="revision" value={revision.number} onChange={(event) => show({ rev: event.target.value })}>
             {revisions.map((one) => <option key={one.number} value={one.number}>{t("programs.revision_n", { number: one.number })}{one === revisions[0] ? ` · ${t("programs.newest")}` : ""}{one.released ? ` · ${t("programs.released")}` : ""}</option>)}</select></label>
         {revision.released ? <span className="chip good" data-field="released">{t("programs.released")}</span> : <span className="chip" data-field="released">{t("programs.not_released")}</span>}
-        <span className="dim num">{grouped(revision.lines)} {t("programs.column_lines")} · {bytes(revision.bytes)} · {revision.encoding}{revision.line_ends ? ` · ${revision.line_ends}` : ""}</span>
+        <span className="dim num">{t("programs.lines_n", { lines: grouped(revision.lines) })} · {bytes(revision.bytes)} · {revision.encoding}{revision.line_ends ? ` · ${revision.line_ends}` : ""}</span>
         <div className="program-actions">
           {programmer && <Button icon="edit" onClick={() => setAsking("edit")}>{t("programs.edit")}</Button>}
           <a className="button" href={contentAddress(id, revision.number)} download={program.name}><Icon name="download" />{t("programs.download")}</a>
