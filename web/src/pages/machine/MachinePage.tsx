@@ -55,7 +55,7 @@ export function MachinePage({ id }: { id: number }) {
         <RunningProgram seen={seen} />
         <Panel className="area-readouts" name="readouts"><Figures live={live} /><Overrides id={id} live={live} current={seen.current} /></Panel>
         <Panel className="area-modal" title={t("machine.modal")} name="modal"><ModalCodes live={live} /></Panel>
-        <PartsAndTimes live={live} />
+        <PartsAndTimes id={id} live={live} current={seen.current} />
       </div>
       <MachineRecords id={id} seen={seen} machine={machine} onChanged={reload} />
     </div>
