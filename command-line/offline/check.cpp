@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "dialects/catalogue.hpp"
 #include "offline/offline.hpp"
 #include "offline/session.hpp"
 
@@ -28,7 +29,8 @@ int check(const Options& options, const std::string& file) {
     const auto* alarm = std::get_if<interp::Alarm>(&operation);
     if (alarm == nullptr) continue;
     std::cout << file << ':' << alarm->at.line << ':' << alarm->at.column << ": " << alarm->code << ' '
-              << alarm->detail << '\n';
+              << dialects::alarm_text(session->dialect->profile, alarm->code).en
+              << (alarm->detail.empty() ? "" : " [" + alarm->detail + "]") << '\n';
     status = 2;
   }
   return status;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <type_traits>
 
+#include "dialects/catalogue.hpp"
+
 namespace headstock::offline {
 namespace {
 
@@ -13,7 +15,8 @@ using interp::AxisVector;
 void number(std::string& out, double value) {
   const double rounded = std::round(value * 1e9) / 1e9;
   char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, (std::fabs(value) < 1e6 ? rounded : value) + 0.0).ptr;
+  const auto end =
+      std::to_chars(text, text + sizeof text, (std::fabs(value) < 1e6 ? rounded : value) + 0.0).ptr;
   out.append(text, end);
 }
 
@@ -113,7 +116,9 @@ class Record {
     if (m.exact_stop) truth("exact_stop", true);
   }
   void feed(double value_of, interp::FeedUnit unit) {
-    value(unit == interp::FeedUnit::mm_per_revolution ? "fr" : unit == interp::FeedUnit::inverse_time ? "fi" : "f",
+    value(unit == interp::FeedUnit::mm_per_revolution ? "fr"
+          : unit == interp::FeedUnit::inverse_time    ? "fi"
+                                                      : "f",
           value_of);
   }
 
@@ -185,7 +190,8 @@ void JsonLines::append(const interp::Operation& operation, std::string& out) con
         } else if constexpr (std::is_same_v<T, interp::Alarm>) {
           r.begin("alarm", op.at);
           r.word("code", op.code);
-          r.word("text", op.detail);
+          r.word("text", dialects::alarm_text(profile_, op.code).en);
+          if (!op.detail.empty()) r.word("detail", op.detail);
           r.count("column", op.at.column);
         } else {
           r.begin("end", op.at);

@@ -12,5 +12,9 @@ namespace headstock::offline {
 void add_interpret(CLI::App& app, int& exit_status);
 /// `headstock check`: alarms of programs, one line each.
 void add_check(CLI::App& app, int& exit_status);
+/// `headstock profile`: what a controller's catalogue holds, and which codes are carried out.
+void add_profile(CLI::App& app, int& exit_status);
+/// `headstock simulate`: a program run by the controller in virtual time.
+void add_simulate(CLI::App& app, int& exit_status);
 
 }  // namespace headstock::offline
