@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "offline/offline.hpp"
+#include "offline/simulate.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app{"Headstock: machine-shop programs, machines and controllers", "headstock"};

@@ -14,7 +14,5 @@ void add_interpret(CLI::App& app, int& exit_status);
 void add_check(CLI::App& app, int& exit_status);
 /// `headstock profile`: what a controller's catalogue holds, and which codes are carried out.
 void add_profile(CLI::App& app, int& exit_status);
-/// `headstock simulate`: a program run by the controller in virtual time.
-void add_simulate(CLI::App& app, int& exit_status);
 
 }  // namespace headstock::offline

@@ -11,7 +11,7 @@
 
 #include "motion/limits_check.hpp"
 #include "motion/path_error.hpp"
-#include "offline/offline.hpp"
+#include "offline/simulate.hpp"
 #include "offline/session.hpp"
 #include "operation/path_length.hpp"
 #include "operation/virtual_time.hpp"
