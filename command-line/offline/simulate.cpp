@@ -1,5 +1,3 @@
-#include "offline/simulate.hpp"
-
 #include <fmt/format.h>
 #include <fmt/os.h>
 
@@ -13,6 +11,7 @@
 
 #include "motion/limits_check.hpp"
 #include "motion/path_error.hpp"
+#include "offline/simulate.hpp"
 #include "offline/session.hpp"
 #include "operation/path_length.hpp"
 #include "operation/virtual_time.hpp"

@@ -147,19 +147,19 @@ TEST(Cycle, SurfaceSpeedFollowsTheDiameter) {
   EXPECT_TRUE(at_40);
 }
 
-TEST(Cycle, TheSecondRunIsTheFirstBitForBit) {
-  Bench bench;
-  bench.load("O1\nG90 G94 G21 G61\nG01 X20. F4000.\nX20. Y10.\nX0. Y10.\nX0. Y0.\nM30\n");
-  std::vector<AxisVector> runs[3];
+TEST(Cycle, TwoControllersMakeTheSameSamplesBitForBit) {
+  std::vector<AxisVector> runs[2];
   for (auto& run : runs) {
+    Bench bench;
+    bench.load("O1\nG90 G94 G21\nG01 X20. F4000.\nX20. Y10.\nG03 X0. Y10. I-10. J0.\nG01 X0. Y0.\nM30\n");
     ASSERT_TRUE(bench.start());
     while (bench.state() == State::running) {
       bench.period();
       run.push_back(bench.controller.sample().position);
     }
   }
-  EXPECT_EQ(runs[0], runs[1]);
-  EXPECT_EQ(runs[0], runs[2]);
+  EXPECT_GT(runs[0].size(), 1000u);
+  EXPECT_TRUE(runs[0] == runs[1]);
 }
 
 TEST(Cycle, AnAlarmOfTheProgramLetsTheMotionBeforeItFinish) {
