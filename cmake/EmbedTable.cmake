@@ -20,5 +20,5 @@ function(headstock_embed_table target)
     COMMENT "Table ${ARG_NAME}"
     VERBATIM)
   target_sources(${target} PRIVATE ${out}/tables/${ARG_NAME}.cpp ${out}/tables/${ARG_NAME}.hpp)
-  target_include_directories(${target} PRIVATE ${out})
+  target_include_directories(${target} PUBLIC ${out})
 endfunction()

@@ -206,5 +206,21 @@ TEST(MachineFile, TheDefaultsOfEveryProfileAreAValidFile) {
   }
 }
 
+TEST(MachineFile, TheMachinesOfTheQuickstartAreValid) {
+  struct Shipped {
+    std::string_view file, profile, axes;
+  };
+  const Shipped shipped[] = {
+      {"lathe-1", "fanuc-0i-t", "XZ"}, {"mill-1", "fanuc-0i-m", "XYZ"}, {"lathe-2", "gsk-2000tc", "XZ"}};
+  for (const auto& [file, profile, axes] : shipped) {
+    const auto result =
+        load_machine(std::string(HEADSTOCK_SOURCE_DIR "/deploy/machines/") + std::string(file) + ".toml");
+    ASSERT_TRUE(std::holds_alternative<Machine>(result)) << std::get<MachineError>(result).message;
+    EXPECT_EQ(std::get<Machine>(result).name, file);
+    EXPECT_EQ(std::get<Machine>(result).profile, profile);
+    EXPECT_EQ(axes_of(std::get<Machine>(result)), axes);
+  }
+}
+
 }  // namespace
 }  // namespace headstock::machine

@@ -1,0 +1,13 @@
+# The catalogues of every controller as constants. fanuc-0i is shared by the profiles fanuc-0i-t and fanuc-0i-m.
+headstock_library(catalogue SOURCES catalogue.cpp)
+set(alarms_columns code series en zh cause cleared_by source)
+set(parameters_columns number series symbol name_zh meaning unit range default effective source)
+set(mcodes_columns code series meaning source)
+set(signals_columns address symbol direction meaning source)
+set(variables_columns number access meaning source)
+foreach(controller fanuc-0i gsk-2000tc gsk-218t k2000tc lathe-200t)
+  string(REPLACE "-" "_" suffix ${controller})
+  foreach(kind alarms parameters mcodes signals variables)
+    headstock_embed_table(headstock_catalogue NAME ${kind}_${suffix} FILE ${controller}/${kind}.tsv COLUMNS ${${kind}_columns})
+  endforeach()
+endforeach()

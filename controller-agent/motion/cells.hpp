@@ -1,0 +1,113 @@
+// Speed limits along the spline: what every axis' velocity, acceleration and jerk limit leaves for the speed
+// along the path, cell by cell, made so that a second-order time law followed by a moving average can never
+// leave them.
+//
+// In a cell the axis i moves with |q'| <= rate, |q''| <= bend, |q'''| <= twist per mm. For path speed v,
+// acceleration a, jerk j along the path its limits hold when
+//     rate v <= V      bend v² + rate |a| <= A      twist v³ + 3 bend v |a| + rate |j| <= J.
+// The moving average of `smoothing_s` makes |j| <= 2 max|a| / smoothing_s, which turns the third into a limit
+// on a. Because averaged values mix what happened within that time, each cell's limits are also laid on
+// everything within its own highest speed times that time, before and behind ("spreading"): whoever is
+// farther away cannot get here within the window without having gone faster than allowed there.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "machine/machine.hpp"
+#include "motion/smoothing.hpp"
+
+namespace headstock::motion {
+
+enum class FeedKind : std::uint8_t { feed, revolution, rapid, thread };
+
+/// Feed override positions for which a complete speed plan is kept; between them plans are mixed (in v²).
+inline constexpr std::array<double, 3> kPlans{0.4, 1.0, kMaxOverride};
+inline constexpr std::size_t kPlanCount = kPlans.size();
+using PerPlan = std::array<double, kPlanCount>;
+
+/// A stretch of the path with constant limits, as the real-time thread reads it.
+struct Cell {
+  double begin = 0, end = 0;  ///< programmed length [mm]
+  bool stop = false;          ///< the path stops at `end`
+  FeedKind kind = FeedKind::feed;
+  double reference_rpm = 0;  ///< of feed per revolution
+  std::size_t axes = 0;
+  AxisVector gain{}, loss{};     ///< |a| <= gain_i - loss_i v², mm/s² and 1/mm
+  double most_acceleration = 0;  ///< |a| allowed by jerk, mm/s²
+  PerPlan ceiling{};             ///< highest v² of each plan
+  PerPlan ceiling_braking{};     ///< deceleration allowed at the ceiling
+  /// v² at `begin` from which the path ahead can be followed; only ever raised while published.
+  std::array<std::atomic<double>, kPlanCount> entry{};
+
+  double acceleration_at(double speed_squared) const {
+    double a = most_acceleration;
+    for (std::size_t i = 0; i < axes; ++i) {
+      const double left = gain[i] - loss[i] * speed_squared;
+      if (left < a) a = left;
+    }
+    return a > 0 ? a : 0;
+  }
+};
+
+/// What is asked of one move, in the order of the path.
+struct FeedSection {
+  double end = 0;  ///< programmed length [mm]
+  FeedKind kind = FeedKind::feed;
+  double speed = 0;  ///< at override 1 [mm/s]; infinite for rapid and thread
+  double reference_rpm = 0;
+};
+
+/// A cell before it is final.
+struct RawCell {
+  double begin = 0, end = 0;
+  bool straight = false, stop = false;
+  FeedKind kind = FeedKind::feed;
+  double reference_rpm = 0;
+  AxisVector rate{}, bend{};
+  double speed = 0;         ///< highest, whatever the override
+  double feed = 0;          ///< highest at override 1
+  double acceleration = 0;  ///< by jerk
+  double reach = 0;         ///< own highest speed times the smoothing time: how far its limits are spread
+};
+
+class CellMaker {
+ public:
+  explicit CellMaker(const machine::Machine& machine);
+
+  double period_s() const { return period_s_; }
+  /// Periods of the moving average.
+  std::size_t smoothing_periods() const { return smoothing_periods_; }
+
+  void reset();
+  void add_section(const FeedSection& section) { sections_.push_back(section); }
+  void add(const Span& span);
+  /// Next final cell; `entry` is left as it is.
+  bool next(Cell& out);
+
+ private:
+  struct AxisLimits {
+    double feed, rapid, acceleration, jerk;
+  };
+  void append(RawCell cell);
+  void spread_back(const RawCell& from);
+  void measure(const Span& span, RawCell& cell);
+  static void limit(RawCell& target, const RawCell& by);
+
+  std::vector<AxisLimits> axes_;
+  double period_s_;
+  std::size_t smoothing_periods_ = 1;
+  double smoothing_s_ = 0, window_s_ = 0;
+  double longest_reach_ = 0;
+  bool jerk_limited_ = false;
+  std::deque<FeedSection> sections_;
+  std::deque<RawCell> staged_;     // since the last stop, not final
+  std::vector<RawCell> reaching_;  // cells whose limits still reach beyond the newest
+  std::size_t final_ = 0;          // staged_ cells that are final
+  double newest_ = 0;
+};
+
+}  // namespace headstock::motion

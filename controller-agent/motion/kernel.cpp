@@ -1,0 +1,348 @@
+#include "motion/kernel.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include "motion/cells.hpp"
+#include "motion/ring.hpp"
+#include "motion/smoothing.hpp"
+#include "motion/speed_plan.hpp"
+#include "motion/thread_sync.hpp"
+#include "motion/time_law.hpp"
+
+namespace headstock::motion {
+
+namespace {
+
+constexpr std::size_t kSpans = 16'384;
+constexpr std::size_t kCells = 16'384;
+constexpr std::size_t kPlanPiece = 512;  // cells one plan() makes at most, and how far entries are batched
+constexpr int kStartPatience = 32;       // periods at rest before starting with a look-ahead that is not full
+constexpr double kAny = std::numeric_limits<double>::infinity();
+
+/// What the real-time thread knows of a move.
+struct MoveOnPath {
+  std::uint64_t tag = 0;
+  AxisVector end{};
+  double length_end = 0;
+  FeedKind kind = FeedKind::feed;
+  ThreadCourse thread;
+};
+
+/// Where the real-time thread finds a new path after set_position().
+struct Restart {
+  AxisVector position{};
+  std::uint64_t cell = 0, span = 0, move = 0;
+};
+
+}  // namespace
+
+struct Kernel::Impl {
+  explicit Impl(const machine::Machine& machine)
+      : axes(machine.axes.size()),
+        highest_rpm(machine.spindle.max_rpm),
+        period_s(machine.period_us * 1e-6),
+        smoother(axes),
+        maker(machine),
+        plan(cells),
+        law(cells, period_s, maker.smoothing_periods()) {
+    restart(AxisVector{});
+    take_restart();
+  }
+
+  // ---- look-ahead thread
+  void restart(const AxisVector& position) {
+    smoother.reset(0);
+    maker.reset();
+    path_end = position;
+    path_length = 0;
+    previous_kind = FeedKind::rapid;
+    anything_pushed = false;
+    cells_done = cells_written;
+    const std::uint64_t next = restart_count.load(std::memory_order_relaxed) + 1;
+    restarts[next % restarts.size()] = {position, cells_written, spans_written, moves_written};
+    complete.store(cells_written, std::memory_order_release);
+    aborting.store(false, std::memory_order_relaxed);
+    stood.store(false, std::memory_order_relaxed);
+    restart_count.store(next, std::memory_order_release);
+  }
+
+  void push(const Move& move) {
+    MoveOnPath& info = moves[moves_written];
+    info = {};
+    info.tag = move.tag;
+    Piece piece;
+    piece.curve = Curve::from(path_end, move, axes);
+    piece.begin = path_length;
+    const bool has_length = piece.curve.length >= kNoLength;
+    piece.stop = move.exact_stop || move.tolerance_mm < 1e-6;
+    FeedSection section = section_of(move, piece.curve, info.thread);
+    info.kind = section.kind;
+    info.end = has_length ? piece.curve.end : path_end;
+    if (has_length) {
+      const bool thread_edge = (section.kind == FeedKind::thread) != (previous_kind == FeedKind::thread);
+      if (thread_edge && anything_pushed) smoother.stop_at_end();
+      path_length += piece.curve.length;
+      path_end = piece.curve.end;
+      piece.end = path_length;
+      piece.tolerance = move.tolerance_mm;
+      section.end = path_length;
+      info.thread.begin = piece.begin;
+      info.thread.end = piece.end;
+      maker.add_section(section);
+      smoother.add(piece);
+      previous_kind = section.kind;
+      anything_pushed = true;
+    } else if (piece.stop) {
+      smoother.stop_at_end();
+    }
+    info.length_end = path_length;
+    moves.publish(++moves_written);
+  }
+
+  FeedSection section_of(const Move& move, const Curve& curve, ThreadCourse& thread) const {
+    FeedSection section;
+    if (const auto* feed = std::get_if<PathFeed>(&move.feed)) {
+      section.kind = FeedKind::feed;
+      section.speed = std::max(feed->mm_s, 1e-6);
+    } else if (const auto* per_turn = std::get_if<RevolutionFeed>(&move.feed)) {
+      section.kind = FeedKind::revolution;
+      section.reference_rpm = per_turn->reference_rpm > 0 ? per_turn->reference_rpm : highest_rpm;
+      section.speed = std::max(per_turn->mm_rev * section.reference_rpm / 60, 1e-6);
+    } else if (const auto* cut = std::get_if<ThreadFeed>(&move.feed)) {
+      section.kind = FeedKind::thread;
+      section.speed = kAny;
+      double share = 0;
+      for (std::size_t i = 0; i < axes; ++i) share = std::max(share, std::abs(curve.end[i] - curve.start[i]));
+      share = curve.length > 0 && share > 0 ? share / curve.length : 1;
+      thread.lead = std::max(cut->lead_mm, 1e-6) / share;
+      thread.lead_change = cut->lead_change_mm / share;
+      thread.start_angle_rad = cut->start_angle_rad;
+    } else {
+      section.kind = FeedKind::rapid;
+      section.speed = kAny;
+    }
+    return section;
+  }
+
+  bool plan_some() {
+    const std::uint64_t oldest = cells.released();
+    std::uint64_t made = 0;
+    bool more = false;
+    for (;;) {
+      if (made >= kPlanPiece) {
+        more = true;
+        break;
+      }
+      if (cells.room(cells_written) == 0) break;
+      if (maker.next(cells[cells_written])) {
+        ++cells_written;
+        ++made;
+        continue;
+      }
+      if (spans.room(spans_written) == 0) break;
+      Span& span = spans[spans_written];
+      if (!smoother.next(span)) break;
+      maker.add(span);
+      ++spans_written;
+    }
+    spans.publish(spans_written);
+    if (cells_written != cells_done) {
+      plan.extend(std::max(oldest, path_first_cell()), cells_done, cells_written);
+      cells_done = cells_written;
+      cells.publish(cells_written);
+    }
+    // Full is as far as the look-ahead can see: motion may start.
+    if (!more && (moves.room(moves_written) < moves.capacity() / 2 ||
+                  cells.room(cells_written) < cells.capacity() / 2))
+      complete.store(cells_written, std::memory_order_release);
+    if (!more && finished) complete.store(cells_written, std::memory_order_release);
+    return more;
+  }
+
+  std::uint64_t path_first_cell() const {
+    return restarts[restart_count.load(std::memory_order_relaxed) % restarts.size()].cell;
+  }
+
+  // ---- real-time thread
+  void take_restart() {
+    const std::uint64_t count = restart_count.load(std::memory_order_acquire);
+    if (count == restart_taken) return;
+    restart_taken = count;
+    const Restart& from = restarts[count % restarts.size()];
+    standing = from.position;
+    span_cursor = from.span;
+    move_cursor = leading_move = from.move;
+    law.reset(0, from.cell);
+    sync.stop();
+    patience = 0;
+    release();
+  }
+
+  void release() {
+    cells.release(std::min(law.cell(), cells.published()));
+    spans.release(span_cursor);
+    moves.release(move_cursor);
+  }
+
+  const MoveOnPath* move_at(std::uint64_t& cursor, double length) const {
+    const std::uint64_t end = moves.published();
+    while (cursor + 1 < end && moves[cursor].length_end <= length) ++cursor;
+    return cursor < end ? &moves[cursor] : nullptr;
+  }
+
+  /// At rest: may motion start from this cell?
+  bool may_start() {
+    const std::uint64_t cell = law.cell();
+    if (cell >= cells.published()) {
+      patience = 0;
+      return false;
+    }
+    if (cell < complete.load(std::memory_order_acquire)) return true;
+    return ++patience > kStartPatience;
+  }
+
+  Demand demand(const Overrides& overrides, double phase_rad, double rpm) {
+    Demand demand;
+    const bool dropping = aborting.load(std::memory_order_acquire);
+    if (law.at_rest()) {
+      if (dropping) {
+        stood.store(true, std::memory_order_release);
+        demand.ratio = 0;
+        return demand;
+      }
+      if (!overrides.hold) law.pass_stop();
+      if (!may_start()) {
+        demand.ratio = 0;
+        return demand;
+      }
+    } else {
+      patience = 0;
+    }
+    const Cell& cell = cells[law.cell()];
+    demand.ratio = 0;
+    if (cell.kind != FeedKind::thread) sync.stop();
+    if (dropping) return demand;
+    if (cell.kind == FeedKind::thread) {
+      const MoveOnPath* cutting = move_at(leading_move, law.leading_length());
+      if (!cutting || (overrides.hold && !sync.running())) return demand;
+      return sync.demand(cutting->thread, law.at_rest() && law.leading_length() == cutting->thread.begin,
+                         phase_rad, rpm, law);
+    }
+    if (overrides.hold) return demand;
+    const double feed = std::clamp(overrides.feed, 0.0, kMaxOverride);
+    switch (cell.kind) {
+      case FeedKind::rapid:
+        demand.ratio = std::clamp(overrides.rapid, 0.0, 1.0);
+        break;
+      case FeedKind::revolution:
+        demand.ratio = std::min(kMaxOverride, feed * std::abs(rpm) / cell.reference_rpm);
+        break;
+      default:
+        demand.ratio = feed;
+    }
+    return demand;
+  }
+
+  Sample step(const Overrides& overrides, double phase_rad, double rpm) {
+    take_restart();
+    const Demand wanted = demand(overrides, phase_rad, rpm);
+    const double before = law.length();
+    const AxisVector position_before = standing;
+    law.advance(wanted);
+    Sample sample;
+    const std::uint64_t last_span = spans.published();
+    while (span_cursor + 1 < last_span && spans[span_cursor].end <= law.length()) ++span_cursor;
+    if (law.length() != before && span_cursor < last_span)
+      standing = spans[span_cursor].position(law.length());
+    sample.position = standing;
+    for (std::size_t i = 0; i < axes; ++i) sample.velocity[i] = (standing[i] - position_before[i]) / period_s;
+    sample.path_speed_mm_s = (law.length() - before) / period_s;
+    sample.moving = !law.at_rest();
+    const std::uint64_t last_cell = cells.published();
+    sample.queue_empty = last_cell == law.cell() ||
+                         (law.cell() + 1 == last_cell && law.leading_length() == cells[law.cell()].end);
+    const MoveOnPath* tracing = move_at(move_cursor, law.length());
+    if (tracing) {
+      sample.tag = tracing->tag;
+      for (std::size_t i = 0; i < axes; ++i) sample.distance_to_go[i] = tracing->end[i] - standing[i];
+    }
+    sample.starved = sample.queue_empty && tracing && tracing->length_end > law.leading_length();
+    sample.queue_empty = sample.queue_empty && !sample.moving && !sample.starved;
+    release();
+    return sample;
+  }
+
+  const std::size_t axes;
+  const double highest_rpm;
+  const double period_s;
+
+  // between the threads
+  Ring<MoveOnPath> moves{kQueueMoves};
+  Ring<Span> spans{kSpans};
+  Ring<Cell> cells{kCells};
+  std::array<Restart, 4> restarts;
+  std::atomic<std::uint64_t> restart_count{0};
+  std::atomic<std::uint64_t> complete{0};  // cells before this one may be started from without waiting
+  std::atomic<bool> aborting{false}, stood{false};
+
+  // look-ahead thread
+  AxisVector path_end{};
+  double path_length = 0;
+  FeedKind previous_kind = FeedKind::rapid;
+  bool anything_pushed = false, finished = false;
+  Smoother smoother;
+  CellMaker maker;
+  SpeedPlan plan;
+  std::uint64_t moves_written = 0, spans_written = 0, cells_written = 0, cells_done = 0;
+
+  // real-time thread
+  TimeLaw law;
+  ThreadSync sync;
+  AxisVector standing{};
+  std::uint64_t restart_taken = 0, span_cursor = 0, move_cursor = 0, leading_move = 0;
+  int patience = 0;
+};
+
+Kernel::Kernel(const machine::Machine& machine) : impl_(std::make_unique<Impl>(machine)) {}
+Kernel::~Kernel() = default;
+
+void Kernel::set_position(const AxisVector& position) {
+  impl_->finished = false;
+  impl_->restart(position);
+}
+
+bool Kernel::can_push() const {
+  return impl_->moves.room(impl_->moves_written) > 0;
+}
+
+void Kernel::push(const Move& move) {
+  impl_->finished = false;
+  impl_->push(move);
+}
+
+void Kernel::finish() {
+  impl_->smoother.stop_at_end();
+  impl_->finished = true;
+}
+
+bool Kernel::plan() {
+  return impl_->plan_some();
+}
+
+Sample Kernel::step(const Overrides& overrides, double spindle_phase_rad, double spindle_rpm) {
+  return impl_->step(overrides, spindle_phase_rad, spindle_rpm);
+}
+
+void Kernel::abort() {
+  impl_->aborting.store(true, std::memory_order_release);
+}
+
+bool Kernel::aborted() const {
+  return impl_->stood.load(std::memory_order_acquire);
+}
+
+}  // namespace headstock::motion

@@ -1,0 +1,41 @@
+// Judges commanded samples from outside the kernel: how far each lies from the programmed geometry. Works on
+// the moves themselves, not on anything the kernel made of them.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+
+#include "motion/kernel.hpp"
+
+namespace headstock::motion {
+
+class PathError {
+ public:
+  explicit PathError(std::size_t axes) : axes_(axes) {}
+
+  /// The programmed path begins (again) here.
+  void start(const AxisVector& position);
+  /// The same moves as given to Kernel::push(), in order; at least those up to the one being traced and the
+  /// next, before the sample.
+  void add(const Move& move);
+  /// @return distance of a commanded sample to the programmed path [mm], over all axes.
+  /// @param tag of the sample; searched are the moves around the next one with this tag. Tags differ between
+  /// moves.
+  double sample(const AxisVector& position, std::uint64_t tag);
+  double max() const { return max_; }
+
+ private:
+  struct Traced {
+    AxisVector start, end;
+    Move move;
+  };
+  double distance_to(const Traced& move, const AxisVector& position) const;
+
+  std::size_t axes_;
+  AxisVector last_end_{};
+  std::deque<Traced> moves_;
+  std::size_t current_ = 0;
+  double max_ = 0;
+};
+
+}  // namespace headstock::motion

@@ -1,0 +1,296 @@
+#include "motion/smoothing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace headstock::motion {
+
+namespace {
+
+constexpr double kAny = std::numeric_limits<double>::infinity();
+constexpr std::size_t kAhead =
+    20;  // moves known before knots are placed: keeps knots independent of when moves come
+constexpr std::size_t kWindow = 10;  // corners to either side that may share a blend
+constexpr double kAligned =
+    0.8 * 6;  // share of the tolerance for a corner with a knot on it (error: turn * d / 6)
+constexpr double kBesideArc = 0.5 * 6;  // the arc's own knots take a share, too
+constexpr double kMerged = 0.5;         // share for corners without knots
+constexpr double kArc = 0.35 * 6;       // share of an arc's ends (error: d² / 6 radius)
+constexpr double kArcAngle = 0.15;      // rad between knots inside an arc
+constexpr double kMostWidth = 50;       // mm
+
+/// Largest error a unit corner makes at distance x when knots are `width` apart (an upper envelope over all
+/// positions).
+double envelope(double x, double width) {
+  const double r = 1 - x / (1.5 * width);
+  return r > 0 ? 0.2709 * width * r * r : 0;
+}
+
+double tangent_change(const Curve& from, const Curve& to) {
+  return distance(from.tangent(from.length), to.tangent(0));
+}
+
+AxisVector mix(const AxisVector& p, double wp, const AxisVector& q, double wq, double over) {
+  AxisVector r;
+  const double a = wp / over, b = wq / over;
+  for (std::size_t i = 0; i < r.size(); ++i) r[i] = p[i] * a + q[i] * b;
+  return r;
+}
+
+}  // namespace
+
+void Smoother::reset(double length) {
+  nodes_.clear();
+  knots_.assign(3, length);
+  controls_.clear();
+  placing_ = control_piece_ = 0;
+  width_before_ = kAny;
+  last_interval_ = 0;
+}
+
+void Smoother::add(const Piece& piece) {
+  if (!nodes_.empty() && !nodes_.back().piece.stop)
+    nodes_.back().corner.turn = tangent_change(nodes_.back().piece.curve, piece.curve);
+  const bool first = nodes_.empty() && controls_.empty();
+  nodes_.push_back({piece, {}});
+  if (first) controls_.push_back(piece.curve.start);
+}
+
+bool Smoother::stop_at_end() {
+  if (nodes_.empty() || nodes_.back().piece.stop) return false;
+  nodes_.back().piece.stop = true;
+  return true;
+}
+
+bool Smoother::known_ahead(std::size_t index) const {
+  if (nodes_.size() > index + kAhead) return true;
+  for (std::size_t k = index; k < nodes_.size(); ++k)
+    if (nodes_[k].piece.stop) return true;
+  return false;
+}
+
+double Smoother::rounding_error(std::size_t index, double width) const {
+  const double at = nodes_[index].piece.end, reach = 1.5 * width;
+  double error = nodes_[index].corner.turn * envelope(0, width);
+  for (std::size_t k = index; k-- > 0;) {
+    const double x = at - nodes_[k].piece.end;
+    if (x >= reach || nodes_[k].piece.stop) break;
+    if (index - k > kWindow || nodes_[k].piece.curve.is_arc) return kAny;
+    error += nodes_[k].corner.turn * envelope(x, width);
+  }
+  for (std::size_t k = index + 1; k < nodes_.size(); ++k) {
+    const double x = nodes_[k].piece.end - at;
+    if (x >= reach || nodes_[k].piece.stop) break;
+    if (k - index > kWindow || nodes_[k].piece.curve.is_arc) return kAny;
+    error += nodes_[k].corner.turn * envelope(x, width);
+  }
+  return error;
+}
+
+const Smoother::Corner& Smoother::measured(std::size_t index) {
+  Corner& corner = nodes_[index].corner;
+  if (corner.measured) return corner;
+  corner.measured = true;
+  const Piece& piece = nodes_[index].piece;
+  if (piece.stop) {
+    corner.width = kAny;
+    return corner;
+  }
+  const Piece& following = nodes_[index + 1].piece;
+  const bool beside_arc = piece.curve.is_arc || following.curve.is_arc;
+  const double room = std::min(piece.curve.length, following.curve.length);
+  corner.width = std::min(
+      kMostWidth, (beside_arc ? kBesideArc : kAligned) * piece.tolerance / std::max(corner.turn, 1e-12));
+  if (beside_arc || corner.width <= room) return corner;
+  // A neighbour is shorter than the blend: can knots be further apart than the corners?
+  double width = std::min(
+      corner.width,
+      8 * std::max(room, 0.5 * std::min(corner.width, std::max(piece.curve.length, following.curve.length))));
+  while (width > 1.2 * room) {
+    if (rounding_error(index, width) <= kMerged * piece.tolerance) {
+      corner.width = width;
+      corner.mergeable = true;
+      return corner;
+    }
+    width *= 0.75;
+  }
+  // All corners keep their knots; no interval much longer than the short one, or it would pull at the corner
+  // beside it.
+  corner.width = std::min(corner.width, 2 * room);
+  return corner;
+}
+
+bool Smoother::place_knots() {
+  if (placing_ >= nodes_.size() || !known_ahead(placing_)) return false;
+  const double from = knots_.back();
+  const Piece& piece = nodes_[placing_].piece;
+  if (piece.curve.is_arc) {
+    const Corner& corner = measured(placing_);
+    emit_arc(piece, width_before_, corner.width);
+    width_before_ = corner.width;
+  } else {
+    // The farthest corner the next knot can go to, leaving out corners on the way.
+    double most = width_before_, reached = 0;
+    std::size_t to = placing_;
+    bool found = false;
+    for (std::size_t k = placing_; k < nodes_.size() && k - placing_ <= kWindow; ++k) {
+      const Piece& candidate = nodes_[k].piece;
+      if (candidate.curve.is_arc) break;
+      const double interval = candidate.end - from;
+      const Corner& corner = measured(k);
+      most = std::min(most, corner.width);
+      const bool grows_gently = k == placing_ || last_interval_ == 0 || interval <= 2.5 * last_interval_;
+      if (interval <= most && grows_gently) {
+        found = true;
+        to = k;
+        reached = interval;
+      }
+      if (interval > most || !corner.mergeable) break;
+    }
+    if (!found) {
+      const double after = measured(placing_).width;
+      emit_line(from, piece.end, width_before_, after);
+      width_before_ = after;
+    } else {
+      const Corner& corner = measured(to);
+      double limit = std::min(width_before_, corner.width);
+      for (std::size_t k = placing_; k < to; ++k) limit = std::min(limit, measured(k).width);
+      const Node* next = to + 1 < nodes_.size() ? &nodes_[to + 1] : nullptr;
+      const bool into_next = corner.mergeable && reached < 0.5 * limit && next && !next->piece.curve.is_arc &&
+                             next->piece.end - from > 1.5 * limit && from + limit > next->piece.begin;
+      placing_ = to;
+      if (into_next) {
+        last_interval_ = limit;
+        knot(from + limit);
+        width_before_ = kAny;  // inside a straight move: the move's own end decides
+      } else {
+        last_interval_ = reached;
+        knot(nodes_[to].piece.end);
+        width_before_ = corner.width;
+      }
+    }
+  }
+  if (nodes_[placing_].piece.stop) {
+    knot(nodes_[placing_].piece.end);
+    knot(nodes_[placing_].piece.end);
+    width_before_ = kAny;
+    last_interval_ = 0;
+  }
+  ++placing_;
+  forget_passed();
+  return true;
+}
+
+void Smoother::emit_line(double begin, double end, double before, double after) {
+  const double length = end - begin;
+  const bool near_begin = before < length, near_end = after < length;
+  double last = begin;
+  if (near_begin && near_end && before + after >= 0.95 * length) {
+    last = begin + length * before / (before + after);
+    knot(last);
+  } else {
+    if (near_begin) knot(last = begin + before);
+    if (near_end) knot(last = end - after);
+  }
+  last_interval_ = end - last;
+  knot(end);
+}
+
+void Smoother::emit_arc(const Piece& piece, double before, double after) {
+  const Curve& curve = piece.curve;
+  const double radius =
+      std::max(1e-6, std::min(curve.radius, curve.radius + curve.radius_per_mm * curve.length));
+  const double per_rad = 1 / std::max(std::abs(curve.angle_per_mm), 1e-12);
+  // In the plane the spline turns by angle, whatever the pitch of a helix: error = radius * angle² / 6 at the
+  // ends.
+  const double angle = std::min(kArcAngle, std::sqrt(kArc * piece.tolerance / radius));
+  const double interval = angle * per_rad;
+  double begin = piece.begin, end = piece.end;
+  const bool near_begin = before < interval && before < 0.4 * curve.length;
+  const bool near_end = after < interval && after < 0.4 * curve.length;
+  if (near_begin) knot(begin += before);
+  if (near_end) end -= after;
+  const double count = std::max(1.0, std::ceil((end - begin) / interval - 1e-9));
+  for (double i = 1; i < count; ++i) knot(begin + (end - begin) * (i / count));
+  last_interval_ = (end - begin) / count;
+  if (near_end) {
+    knot(end);
+    last_interval_ = after;
+  }
+  knot(piece.end);
+}
+
+void Smoother::knot(double t) {
+  knots_.push_back(t);
+  const std::size_t n = knots_.size();
+  controls_.push_back(control(knots_[n - 3], knots_[n - 2], knots_[n - 1]));
+}
+
+AxisVector Smoother::control(double t1, double t2, double t3) {
+  const double mean = t1 + ((t2 - t1) + (t3 - t1)) / 3;
+  while (control_piece_ + 1 < nodes_.size() && nodes_[control_piece_].piece.end < mean) ++control_piece_;
+  const Piece& piece = nodes_[control_piece_].piece;
+  const Curve& curve = piece.curve;
+  double outward = 1;
+  if (curve.is_arc) {
+    const double h1 = t2 - t1, h2 = t3 - t2, slack = 1e-6 * (t3 - t1);
+    if (t1 >= piece.begin - slack && t3 <= piece.end + slack && std::abs(h1 - h2) < slack)
+      outward = 3 / (2 + std::cos(h1 * curve.angle_per_mm));  // (1 + 4 + 1)/6 of such points lies on the arc
+  }
+  return curve.point(std::clamp(mean - piece.begin, 0.0, curve.length), outward);
+}
+
+void Smoother::forget_passed() {
+  const std::size_t needed = std::min(placing_, control_piece_);
+  if (needed < 4 * kWindow) return;
+  const std::size_t drop = needed - (kWindow + 2);
+  nodes_.erase(nodes_.begin(), nodes_.begin() + static_cast<std::ptrdiff_t>(drop));
+  placing_ -= drop;
+  control_piece_ -= drop;
+}
+
+bool Smoother::next(Span& out) {
+  for (;;) {
+    while (knots_.size() < 6)
+      if (!place_knots()) return false;
+    if (knots_[2] < knots_[3]) break;
+    knots_.pop_front();
+    controls_.pop_front();
+  }
+  const double a = knots_[0], b = knots_[1], c = knots_[2], d = knots_[3], e = knots_[4], f = knots_[5];
+  const double h = d - c;
+  // Bézier points by blossoming: bcc is the blossom at (b, c, c), and so on.
+  const AxisVector ccd = mix(controls_[1], e - c, controls_[2], c - b, e - b);
+  const AxisVector cdd = mix(controls_[1], e - d, controls_[2], d - b, e - b);
+  const AxisVector bcc = mix(controls_[0], d - c, controls_[1], c - a, d - a);
+  const AxisVector ccc = mix(bcc, d - c, ccd, c - b, d - b);
+  const AxisVector dde = mix(controls_[2], f - d, controls_[3], d - c, f - c);
+  const AxisVector ddd = mix(cdd, e - d, dde, d - c, e - c);
+  out.begin = c;
+  out.end = d;
+  out.stop = e == d && f == d;
+  double bend = 0;
+  for (std::size_t i = 0; i < axes_; ++i) {
+    const double second_0 = ccc[i] - 2 * ccd[i] + cdd[i], second_1 = ccd[i] - 2 * cdd[i] + ddd[i];
+    bend = std::max({bend, std::abs(second_0), std::abs(second_1)});
+    out.c[0][i] = ccc[i];
+    out.c[1][i] = 3 * (ccd[i] - ccc[i]) / h;
+    out.c[2][i] = 3 * second_0 / (h * h);
+    out.c[3][i] = (second_1 - second_0) / (h * h * h);
+  }
+  // Below the rounding of the numbers themselves it is a straight line; say so, or noise would look like
+  // curvature.
+  double magnitude = 1;
+  for (std::size_t i = 0; i < axes_; ++i) magnitude = std::max(magnitude, std::abs(ccc[i]));
+  out.straight = bend < 32 * std::numeric_limits<double>::epsilon() * magnitude;
+  if (out.straight) {
+    for (std::size_t i = 0; i < axes_; ++i) out.c[1][i] = (ddd[i] - ccc[i]) / h;
+    out.c[2] = out.c[3] = AxisVector{};
+  }
+  knots_.pop_front();
+  controls_.pop_front();
+  return true;
+}
+
+}  // namespace headstock::motion

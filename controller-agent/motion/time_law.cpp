@@ -1,0 +1,139 @@
+#include "motion/time_law.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace headstock::motion {
+
+namespace {
+
+constexpr double kArrived = 1e-9;  // mm
+constexpr int kMostCells = 256;    // looked at in one period
+
+/// Weights of the speed plans for a ratio of the reference feed: linear in v², where the limits are linear
+/// too.
+struct Mix {
+  std::size_t low = 0;
+  double weight_low = 0, weight_high = 0;
+
+  explicit Mix(double ratio) {
+    const double square = ratio * ratio;
+    if (ratio <= kPlans[0]) {
+      weight_low = square / (kPlans[0] * kPlans[0]);
+      return;
+    }
+    while (low + 2 < kPlanCount && ratio > kPlans[low + 1]) ++low;
+    const double a = kPlans[low] * kPlans[low], b = kPlans[low + 1] * kPlans[low + 1];
+    weight_high = std::min(1.0, (square - a) / (b - a));
+    weight_low = 1 - weight_high;
+  }
+  double of(const PerPlan& values) const {
+    return weight_low * values[low] + (weight_high > 0 ? weight_high * values[low + 1] : 0);
+  }
+  double entry(const Cell& cell) const {
+    return weight_low * cell.entry[low].load(std::memory_order_acquire) +
+           (weight_high > 0 ? weight_high * cell.entry[low + 1].load(std::memory_order_acquire) : 0);
+  }
+};
+
+}  // namespace
+
+TimeLaw::TimeLaw(const Ring<Cell>& cells, double period_s, std::size_t smoothing_periods)
+    : cells_(cells), period_s_(period_s), window_(std::max<std::size_t>(1, smoothing_periods), 0.0) {}
+
+void TimeLaw::reset(double length, std::uint64_t cell) {
+  std::fill(window_.begin(), window_.end(), length);
+  leading_ = length_ = length;
+  speed_ = 0;
+  still_ = window_.size();
+  cell_ = cell;
+}
+
+double TimeLaw::acceleration_at(double speed) const {
+  return cell_ < cells_.published() ? cells_[cell_].acceleration_at(speed * speed) : 0;
+}
+
+double TimeLaw::reachable(double ratio, double most) const {
+  const Mix mix(ratio);
+  const std::uint64_t end = cells_.published();
+  const double t = period_s_;
+  double entry = cell_ < end ? mix.entry(cells_[cell_]) : 0;
+  for (std::uint64_t k = cell_; k < end; ++k) {
+    const Cell& cell = cells_[k];
+    const bool last = cell.stop || k + 1 == end;
+    const double next = last ? 0 : mix.entry(cells_[k + 1]);
+    const double to_end = cell.end - leading_, crossing = to_end / t;
+    if (!last && crossing < most && crossing * crossing <= next && k - cell_ < kMostCells) {
+      entry = next;
+      continue;
+    }
+    // v² <= min(ceiling, next + 2 b (distance left after this period)), with b the braking that the plan uses
+    // here.
+    const double b = std::max(mix.of(cell.ceiling_braking), (entry - next) / (2 * (cell.end - cell.begin)));
+    const double bt = b * t, under = bt * bt + next + 2 * b * to_end;
+    const double braking = under > 0 ? std::sqrt(under) - bt : 0;
+    return std::max(0.0, std::min({most, braking, std::sqrt(mix.of(cell.ceiling))}));
+  }
+  return 0;
+}
+
+void TimeLaw::advance(const Demand& demand) {
+  const double t = period_s_;
+  const std::uint64_t end = cells_.published();
+  double speed = 0;
+  if (cell_ < end) {
+    const double step = acceleration_at(speed_) * t;
+    const double hard = reachable(kMaxOverride, speed_ + step);
+    double wanted;
+    if (demand.follow) {
+      const double error = demand.target - (leading_ + demand.target_speed * t), a = 0.9 * step / t;
+      const double correction = std::min(std::sqrt(2 * a * std::abs(error)), std::abs(error) / (4 * t));
+      wanted = std::clamp(demand.target_speed + std::copysign(correction, error),
+                          std::max(0.0, speed_ - step), speed_ + step);
+    } else {
+      wanted = demand.ratio <= 0 ? 0 : reachable(demand.ratio, speed_ + step);
+      wanted = std::max(wanted, speed_ - step);
+    }
+    speed = std::max(0.0, std::min(hard, wanted));
+  }
+  double leading = leading_ + speed * t;
+  while (cell_ < end) {
+    const Cell& cell = cells_[cell_];
+    const bool last = cell.stop || cell_ + 1 == end;
+    if (last) {
+      if (leading >= cell.end - kArrived && speed_ > 0) {
+        leading = cell.end;
+        speed = cell.stop || leading_ == cell.end ? 0 : speed;
+      }
+      break;
+    }
+    if (leading < cell.end) break;
+    ++cell_;
+  }
+  if (leading == leading_) {
+    speed = 0;
+    if (still_ < window_.size()) ++still_;
+  } else {
+    still_ = 1;
+  }
+  speed_ = speed;
+  leading_ = leading;
+  newest_ = newest_ + 1 == window_.size() ? 0 : newest_ + 1;
+  window_[newest_] = leading;
+  // Summed anew as differences to the newest value, youngest first: no drift, exactly on it when standing,
+  // and the same bits wherever the ring's seam is.
+  double behind = 0;
+  for (std::size_t i = newest_ + 1; i-- > 0;) behind += leading - window_[i];
+  for (std::size_t i = window_.size(); i-- > newest_ + 1;) behind += leading - window_[i];
+  length_ = leading - behind / static_cast<double>(window_.size());
+}
+
+bool TimeLaw::pass_stop() {
+  if (cell_ + 1 >= cells_.published()) return false;
+  const Cell& cell = cells_[cell_];
+  if (!cell.stop || leading_ != cell.end || !at_rest()) return false;
+  ++cell_;
+  return true;
+}
+
+}  // namespace headstock::motion

@@ -1,0 +1,57 @@
+// The time law: how far along the path the axes are in each period. Real-time thread; no allocation, no loop
+// without bound.
+//
+// Second order (speed, bounded acceleration) under the speed plan, then a moving average over the smoothing
+// time. The law looks only at the plan of the cells the next period can reach, so a period costs the same
+// however much is queued; override and hold are just another ceiling and act in the next period.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "motion/cells.hpp"
+#include "motion/ring.hpp"
+
+namespace headstock::motion {
+
+/// What the law is to do in this period.
+struct Demand {
+  double ratio = 1;         ///< of the reference feed, 0…kMaxOverride; of the rapid rate 0…1
+  bool follow = false;      ///< thread: be at `target`, moving at `target_speed`, instead
+  double target = 0;        ///< length [mm]
+  double target_speed = 0;  ///< mm/s
+};
+
+class TimeLaw {
+ public:
+  TimeLaw(const Ring<Cell>& cells, double period_s, std::size_t smoothing_periods);
+
+  /// Stands at this length, in front of this cell.
+  void reset(double length, std::uint64_t cell);
+  void advance(const Demand& demand);
+
+  double length() const { return length_; }           ///< after the moving average: where the axes are
+  double leading_length() const { return leading_; }  ///< before it
+  std::uint64_t cell() const { return cell_; }        ///< the cell of leading_length()
+  bool at_rest() const { return speed_ == 0 && still_ >= window_.size(); }
+  /// Acceleration that may be used now at this speed [mm/s²].
+  double acceleration_at(double speed) const;
+  /// How much the moving average lags behind [s].
+  double lag_s() const { return 0.5 * static_cast<double>(window_.size() - 1) * period_s_; }
+  /// At rest at an exact stop with more path behind it: go on from there.
+  bool pass_stop();
+
+ private:
+  /// Highest speed, at most `most`, that the plan mixed for `ratio` allows at the end of this period.
+  double reachable(double ratio, double most) const;
+
+  const Ring<Cell>& cells_;
+  double period_s_;
+  std::vector<double> window_;
+  std::size_t newest_ = 0;
+  std::size_t still_ = 0;  // periods `leading_` has not moved
+  double leading_ = 0, speed_ = 0, length_ = 0;
+  std::uint64_t cell_ = 0;
+};
+
+}  // namespace headstock::motion

@@ -1,0 +1,80 @@
+// The real-time cycle must not allocate: every operator new of this program is counted.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <new>
+
+#include "rig.hpp"
+
+namespace {
+std::atomic<std::size_t> allocations{0};
+
+void* counted(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size ? size : 1)) return p;
+  throw std::bad_alloc();
+}
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size);
+}
+void* operator new[](std::size_t size) {
+  return counted(size);
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+  std::free(p);
+}
+
+namespace headstock::motion {
+namespace {
+
+TEST(Allocation, TheCounterCounts) {
+  const std::size_t before = allocations;
+  delete new int;
+  EXPECT_GT(allocations, before);
+}
+
+TEST(Allocation, StepDoesNotAllocate) {
+  const auto machine = rig::machine(5, 500, 2000, 50'000);
+  Kernel kernel(machine);
+  kernel.set_position({});
+  for (int i = 1; i < 1000; ++i) {
+    Move move = rig::line({0.1 * i, std::sin(0.1 * i), 0, 0, 0}, 100);
+    move.tag = static_cast<std::uint64_t>(i);
+    move.exact_stop = i % 100 == 0;
+    if (i > 900) move.feed = RapidFeed{};
+    if (i == 999) move.feed = ThreadFeed{2, 0, 0};
+    kernel.push(move);
+  }
+  kernel.finish();
+  while (kernel.plan()) {
+  }
+  const std::size_t before = allocations;
+  bool empty = false;
+  int periods = 0;
+  for (; periods < 100'000 && !empty; ++periods) {
+    Overrides overrides;
+    overrides.feed = 0.01 * (periods % 255);
+    overrides.hold = periods % 1000 > 900;
+    empty = kernel.step(overrides, 0.1 * periods, 1000).queue_empty;
+  }
+  kernel.abort();
+  for (int i = 0; i < 100; ++i) kernel.step({}, 0, 0);
+  EXPECT_EQ(allocations, before);
+  EXPECT_TRUE(empty);
+}
+
+}  // namespace
+}  // namespace headstock::motion

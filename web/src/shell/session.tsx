@@ -1,0 +1,14 @@
+import { createContext, useContext } from "react";
+import { roles, type Role, type Session } from "../api/types";
+
+export const SessionContext = createContext<Session | null>(null);
+
+export function useSession(): Session {
+  const session = useContext(SessionContext);
+  if (!session) throw new Error("no session");
+  return session;
+}
+
+export const atLeast = (session: Session, role: Role) => roles.indexOf(session.role) >= roles.indexOf(role);
+/// What the page offers; the server decides on its own.
+export const useMay = (role: Role): boolean => atLeast(useSession(), role);
