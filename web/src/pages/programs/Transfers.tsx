@@ -33,7 +33,7 @@ export function Transfers({ program, limit }: { program?: number; limit: number 
   const { t } = useTranslation();
   const live = useTransfers();
   const machines = useShop((shop) => shop.machines);
-  const { value: listed } = useLoad((signal) => list<Transfer>(`/transfers${query({ program, limit: 50 })}`, signal), [program]);
+  const { value: listed } = useLoad((signal) => list<Transfer>(`/transfers?limit=200`, signal), [program]);
   const { value: all } = useLoad((signal) => list<Machine>("/machines", signal), []);
   const { value: programs } = useLoad((signal) => (program ? Promise.resolve([]) : list<Program>("/programs?limit=500", signal)), [program]);
   const merged = new Map((listed ?? []).map((one) => [one.id, one]));
