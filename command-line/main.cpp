@@ -10,7 +10,6 @@ int main(int argc, char** argv) {
   CLI::App app{"Headstock: machine-shop programs, machines and controllers", "headstock"};
   app.set_version_flag("--version", std::string("headstock ") + HEADSTOCK_VERSION);
   app.require_subcommand(1);
-<<<<<<< HEAD
   headstock::client::Context context;
   headstock::offline::add_interpret(app, context.status);
   headstock::offline::add_check(app, context.status);
@@ -19,13 +18,6 @@ int main(int argc, char** argv) {
   headstock::client::add_client(app, context);
   app.footer("Exit status of the client's commands: 0 done, 1 usage or a local file, 2 refused by server or machine,\n"
              "3 server not reachable, 4 not signed in. The offline tools: 0 done, 1 usage or a file, 2 an alarm.");
-=======
-  int exit_status = 0;
-  headstock::offline::add_interpret(app, exit_status);
-  headstock::offline::add_check(app, exit_status);
-  headstock::offline::add_profile(app, exit_status);
-  headstock::offline::add_simulate(app, exit_status);
->>>>>>> w/operation
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
