@@ -51,8 +51,8 @@ machine::Machine read_machine(const AgentOptions& options, const DataFolder& fol
 json answer_json(const operation::CommandResult& result) {
   json answer = {{"accepted", result.accepted}, {"reason", result.reason}};
   if (!result.accepted) {
-    const auto text = wire::reason_text(result.reason);
-    answer["text"] = {{"en", text.en}, {"zh", text.zh}};
+    const auto text = protocol::reason_text(result.reason);
+    answer["text"] = {{"en", std::string(text.en)}, {"zh", std::string(text.zh)}};
   }
   return answer;
 }
@@ -163,8 +163,11 @@ void Agent::link_lost(const std::string& reason) {
 std::string Agent::panel(const std::string& request) {
   const json asked = json::parse(request, nullptr, false);
   if (!asked.is_object() || !asked.value("do", json()).is_string()) return answer_json({false, "bad_request"}).dump();
-  const std::string verb = asked["do"];
-  const auto text = [&](const char* key) { return asked.contains(key) && asked[key].is_string() ? asked[key].get<std::string>() : std::string(); };
+  const auto verb = asked["do"].get<std::string>();
+  const auto text = [&](const char* key) {
+    const auto found = asked.find(key);
+    return found != asked.end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
   if (verb == "status") {
     json state = link::live_to_json(controller_->live(), selected_.sha256);
     state["machine_name"] = machine_.name;

@@ -38,7 +38,8 @@ void read_setting(const std::string& text, headstock::interp::Switches& switches
   } else if (key == "lenient" && (value == "true" || value == "false")) {
     switches.lenient = value == "true";
   } else if (key == "decimal_point" && (value == "standard" || value == "pocket")) {
-    switches.pocket_calculator_decimal = value == "pocket";
+    using headstock::interp::DecimalPoint;
+    switches.decimal_point = value == "pocket" ? DecimalPoint::pocket : DecimalPoint::standard;
   } else {
     throw CLI::ValidationError(
         "--set", "takes gcode_system=A|B|C, lenient=true|false or decimal_point=standard|pocket, not '" + text + "'");

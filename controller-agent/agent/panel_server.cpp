@@ -47,8 +47,8 @@ class Conversation : public std::enable_shared_from_this<Conversation> {
 }  // namespace
 
 struct PanelServer::Impl : std::enable_shared_from_this<Impl> {
-  Impl(asio::io_context& io, std::filesystem::path path, Handler handler)
-      : file(std::move(path)), handler(std::move(handler)), acceptor(io) {}
+  Impl(asio::io_context& io, std::filesystem::path path, Handler answer)
+      : file(std::move(path)), handler(std::move(answer)), acceptor(io) {}
 
   void accept() {
     acceptor.async_accept([self = shared_from_this()](auto error, stream_protocol::socket socket) {
