@@ -20,6 +20,7 @@ ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "../.."))
 BIN = os.environ.get("HEADSTOCK_BIN", os.path.join(ROOT, "build/release/bin"))
 # A test that waits longer than this has failed; nothing is judged by how long it took below it.
 PATIENCE_S = 60.0
+MACHINE_FILES = {"fanuc-0i-t": "lathe-1.toml", "fanuc-0i-m": "mill-1.toml", "gsk-2000tc": "lathe-2.toml"}
 
 
 def program(name):
@@ -51,8 +52,10 @@ def free_port():
 class ApiError(Exception):
     def __init__(self, status, body):
         self.status = status
+        self.reason = None      # the machine's own reason, when it was the machine that refused
         try:
-            self.error = json.loads(body)["error"]
+            answer = json.loads(body)
+            self.error, self.reason = answer["error"], answer.get("reason")
         except (ValueError, KeyError, TypeError):
             self.error = {"code": None, "raw": body[:300]}
         super().__init__(f"{status} {self.error}")
@@ -145,7 +148,7 @@ class Agent:
         self.shop, self.name, self.profile = shop, name, profile
         self.folder = os.path.join(shop.folder, name.replace(" ", "-").lower())
         os.makedirs(self.folder, exist_ok=True)
-        self.machine_file = machine_file
+        self.machine_file = machine_file or os.path.join(ROOT, "deploy/machines", MACHINE_FILES[profile])
         self.extra = list(extra)
         self.process = None
         made = shop.admin.post("/machines", {"name": name, "profile": profile})
@@ -154,8 +157,7 @@ class Agent:
     def arguments(self, port=None):
         arguments = [program("headstock-agent"), "--data", self.folder,
                      "--server", f"127.0.0.1:{port or self.shop.agent_port}", *self.extra]
-        if self.machine_file:
-            arguments += ["--machine", self.machine_file]
+        arguments += ["--machine", self.machine_file]
         if self.token:
             arguments += ["--enrol", self.token]
         return arguments
@@ -164,7 +166,12 @@ class Agent:
         self.process = Process(self.arguments(port), os.path.join(self.folder, "agent.log"))
         self.shop.processes.append(self.process)
         if wait:
-            eventually(lambda: self.live()["connected"], f"{self.name} connected")
+            def connected():
+                if not self.process.running():
+                    raise AssertionError(f"{self.name} ended: {self.process.text()}")
+                return self.live()["connected"]
+
+            eventually(connected, f"{self.name} connected")
             self.token = None
         return self
 

@@ -18,7 +18,7 @@ class PathOfAPart(ShopTest):
         with self.assertRaises(ApiError) as refused:
             agent.command("cycle_start")
         self.assertEqual(refused.exception.status, 409)
-        self.assertEqual(refused.exception.code, "not_armed")
+        self.assertEqual(refused.exception.reason, "not_armed")
         self.assertEqual(agent.live()["state"], "idle", "a refused start must not move anything")
 
         agent.arm()
@@ -63,7 +63,7 @@ class PathOfAPart(ShopTest):
         headstock("programs", "check", "O1001", "--machine", "Lathe 1")
         headstock("programs", "release", "O1001", "--why", "first article")
         headstock("programs", "send", "O1001", "Lathe 1")
-        self.assertIn("arm", headstock("run", "Lathe 1", "O1001", "--wait", status=1).lower())
+        self.assertIn("arm", headstock("run", "Lathe 1", "O1001", "--wait", status=2).lower())
         agent.arm()
         headstock("run", "Lathe 1", "O1001", "--wait")
         self.assertEqual(agent.parts(), 1)
