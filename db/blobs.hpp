@@ -57,6 +57,22 @@ class Blobs {
   };
   std::shared_ptr<Reader> open(const std::string& sha256) const;
 
+  /// The whole text without reading it into memory: its pages come and go as the system likes.
+  class Mapped {
+   public:
+    ~Mapped();
+    Mapped(const Mapped&) = delete;
+    Mapped& operator=(const Mapped&) = delete;
+    std::string_view view() const { return {bytes_, size_}; }
+
+   private:
+    friend class Blobs;
+    Mapped(const char* bytes, std::size_t size) : bytes_(bytes), size_(size) {}
+    const char* bytes_;
+    std::size_t size_;
+  };
+  std::shared_ptr<const Mapped> map(const std::string& sha256) const;
+
   /// Reads it all and compares. @return false when damaged or missing.
   bool verify(const std::string& sha256) const;
   std::filesystem::path path(const std::string& sha256) const;

@@ -56,6 +56,8 @@ class Database {
 
  protected:
   virtual std::int64_t run(std::string_view sql, const Values& values, const RowHandler& row) = 0;
+  /// Transactions open; when the engine itself undoes one (disk full), nothing may run until this is 0 again.
+  int depth() const { return depth_; }
 
  private:
   friend class Transaction;

@@ -49,7 +49,8 @@ struct RunRow {
 struct AlarmRow {
   std::int64_t id = 0, machine = 0;
   std::string spool;
-  std::int64_t alarm = 0;  ///< the controller's own counter
+  std::int64_t sequence = 0;  ///< of the event that raised it
+  std::int64_t alarm = 0;     ///< the controller's own counter
   std::string code, text_en, text_zh;
   std::int64_t line = 0, column = 0;
   std::string program, block;
@@ -86,8 +87,11 @@ std::int64_t insert_part(Database& db, const PartRow& part);
 void put_run_start(Database& db, const RunRow& run);
 void put_run_end(Database& db, const RunRow& run);
 std::int64_t insert_alarm(Database& db, const AlarmRow& alarm);
-/// @return the alarm's id, 0 when it is not known or not active.
-std::int64_t clear_alarm(Database& db, std::int64_t machine, const std::string& spool, std::int64_t alarm,
-                         std::int64_t at_ms);
+/// Ends the active alarm with the controller's number. @return it, nothing when it is not known or not
+/// active.
+std::optional<AlarmRow> clear_alarm(Database& db, std::int64_t machine, const std::string& spool,
+                                    std::int64_t alarm, std::int64_t at_ms);
+/// Ends all that are active: the controller was restarted. @return them.
+std::vector<AlarmRow> clear_all_alarms(Database& db, std::int64_t machine, std::int64_t at_ms);
 
 }  // namespace headstock::db

@@ -41,12 +41,6 @@ struct OffsetRow {
   double value = 0;
   std::int64_t at_ms = 0;
 };
-struct OffsetChangeRow {
-  std::int64_t id = 0, machine = 0, at_ms = 0;
-  std::string what;
-  double before = 0, after = 0;
-  std::string origin;
-};
 
 std::vector<MachineRow> machines(Database& db);
 std::optional<MachineRow> machine(Database& db, std::int64_t id);

@@ -85,7 +85,7 @@ class Store {
   auto run(F function) -> boost::asio::awaitable<std::invoke_result_t<F&, Database&>> {
     return thread_.run([this, function = std::move(function)]() mutable { return function(*database_); });
   }
-  /// Writes nobody waits for; a failure is logged with `what` and given to `failed`, if any.
+  /// Writes nobody waits for; a failure is logged with `what`.
   void post(const char* what, std::function<void(Database&)> function);
   /// Blocks the caller until done: for start-up and tests only.
   void now(const std::function<void(Database&)>& function);

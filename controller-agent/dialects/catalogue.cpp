@@ -133,12 +133,14 @@ bool in_range(std::string_view row_code, std::string_view code) {
 
 }  // namespace
 
-bool find_alarm(std::string_view profile, std::string_view code, Alarm& found) {
-  const Catalogue* catalogue = catalogue_of(profile);
-  if (catalogue == nullptr) return false;
+namespace {
+
+enum class Series { own, any };
+
+bool find_row(const Catalogue& catalogue, std::string_view code, Series series, Alarm& found) {
   const auto search = [&](auto&& matches) {
-    for (const auto& row : catalogue->alarms) {
-      if (!matches(row[0]) || !has_series(row[1], *catalogue)) continue;
+    for (const auto& row : catalogue.alarms) {
+      if (!matches(row[0]) || (series == Series::own && !has_series(row[1], catalogue))) continue;
       found = to(row, static_cast<Alarm*>(nullptr));
       return true;
     }
@@ -148,9 +150,20 @@ bool find_alarm(std::string_view profile, std::string_view code, Alarm& found) {
          search([&](std::string_view row_code) { return in_range(row_code, code); });
 }
 
+}  // namespace
+
+bool find_alarm(std::string_view profile, std::string_view code, Alarm& found) {
+  const Catalogue* catalogue = catalogue_of(profile);
+  return catalogue != nullptr && find_row(*catalogue, code, Series::own, found);
+}
+
 Alarm alarm_text(std::string_view profile, std::string_view code) {
+  const Catalogue* catalogue = catalogue_of(profile);
   Alarm alarm;
-  if (!find_alarm(profile, code, alarm)) alarm.en = alarm.zh = code;
+  // A text of the sister series says more than a bare number.
+  if (catalogue == nullptr ||
+      !(find_row(*catalogue, code, Series::own, alarm) || find_row(*catalogue, code, Series::any, alarm)))
+    alarm.en = alarm.zh = code;
   alarm.code = code;
   return alarm;
 }

@@ -22,7 +22,7 @@ struct Alarm {
 /// One parameter, or one bit of one ("1006#3").
 struct Parameter {
   std::string_view number, series, symbol;
-  std::string_view name_zh;     ///< short Chinese name, or empty where the catalogue has none yet
+  std::string_view name_zh;     ///< short Chinese name, for lists
   std::string_view meaning, unit, range;
   std::string_view default_value;
   std::string_view effective;   ///< when a change takes effect
@@ -37,7 +37,7 @@ struct Variable { std::string_view number, access, meaning, source; };
 /// @param found set to the row @return false when the profile or the code is unknown
 bool find_alarm(std::string_view profile, std::string_view code, Alarm& found);
 
-/// Never empty: an unknown code gives the code itself in both languages.
+/// Never empty: a code that only the sister series has gives that text, an unknown one the code itself.
 Alarm alarm_text(std::string_view profile, std::string_view code);
 
 /// The parameter with this number, written as in `parameters()` ("1401#1").

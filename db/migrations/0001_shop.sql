@@ -238,13 +238,14 @@ CREATE TABLE runs (
   ended_ms INTEGER,
   outcome TEXT NOT NULL DEFAULT '',
   run_s REAL,
-  cutting_s REAL,
-  UNIQUE (machine_id, spool, run)
+  cutting_s REAL
 );
+CREATE INDEX runs_run ON runs (machine_id, spool, run);
 CREATE TABLE alarms (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   machine_id INTEGER NOT NULL,
   spool TEXT NOT NULL,
+  sequence INTEGER NOT NULL,
   alarm INTEGER NOT NULL,
   code TEXT NOT NULL,
   text_en TEXT NOT NULL,
@@ -255,7 +256,7 @@ CREATE TABLE alarms (
   block TEXT NOT NULL,
   raised_ms INTEGER NOT NULL,
   cleared_ms INTEGER,
-  UNIQUE (machine_id, spool, alarm)
+  UNIQUE (machine_id, spool, sequence)
 );
 CREATE INDEX alarms_raised ON alarms (raised_ms);
 CREATE INDEX alarms_active ON alarms (machine_id) WHERE cleared_ms IS NULL;

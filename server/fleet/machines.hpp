@@ -28,6 +28,8 @@ void remove_machine(db::Database& db, const access::Actor& actor, std::int64_t i
 /// end.
 std::string issue_token(db::Database& db, const access::Actor& actor, std::int64_t machine,
                         std::int64_t now_ms);
+/// What a check of a program depends on besides the offsets.
+std::string config_hash(const std::string& profile, const std::string& toml);
 /// Refusals: not_found.
 db::MachineRow require_machine(db::Database& db, std::int64_t id);
 

@@ -55,6 +55,7 @@ struct BackplotMove {
 };  ///< points: axes.size() each
 struct Backplot {
   std::vector<std::string> axes;
+  std::vector<double> start;  ///< where the first move begins
   std::vector<BackplotMove> moves;
   bool truncated = false;
 };
@@ -63,8 +64,11 @@ struct Backplot {
 struct CheckJob {
   std::string file;  ///< the blob
   db::MachineRow machine;
-  std::map<std::uint32_t, std::string> subprograms;  ///< O number → blob file, of the same folder
+  std::vector<db::OffsetRow> settings;  ///< parameters and variables the machine reported
+  std::map<std::string, std::string>
+      subprograms;  ///< program name ("O1234", "SHAFT.NC") → blob file, of the same folder
   std::int64_t max_blocks = 50'000'000;
+  std::int64_t max_wall_ms = 60'000;  ///< of the timing; beyond it only the language is checked
   const std::atomic<bool>* cancel = nullptr;
 };
 /// Name and version of what checks; part of the cache's key.

@@ -1,0 +1,18 @@
+// The sub-commands of `headstock` that need no server. Each function adds one to the application; its callback leaves
+// the exit status in `exit_status` (0 normal, 2 an alarm, 1 bad usage or file).
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace headstock::offline {
+
+/// `headstock interpret`: canonical operations of a program as JSON Lines.
+void add_interpret(CLI::App& app, int& exit_status);
+/// `headstock check`: alarms of programs, one line each.
+void add_check(CLI::App& app, int& exit_status);
+/// `headstock profile`: what a controller's catalogue holds, and which codes are carried out.
+void add_profile(CLI::App& app, int& exit_status);
+
+}  // namespace headstock::offline

@@ -1,0 +1,192 @@
+// `headstock profile P`: prints what a controller's catalogue holds, for people and for scripts.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "command-line/offline/coverage.hpp"
+#include "command-line/offline/offline.hpp"
+#include "dialects/catalogue.hpp"
+
+namespace headstock::offline {
+namespace {
+
+// A printed table: names of the columns, the rows, and how many columns the short form for people shows.
+struct Listing {
+  std::string_view name;
+  std::vector<std::string_view> columns;
+  std::vector<std::vector<std::string_view>> rows;
+  std::size_t shown;
+};
+
+Listing alarms_of(std::string_view profile) {
+  Listing out{"alarms", {"code", "en", "zh", "cause", "cleared_by", "source"}, {}, 3};
+  for (const auto& a : dialects::alarms(profile))
+    out.rows.push_back({a.code, a.en, a.zh, a.cause, a.cleared_by, a.source});
+  return out;
+}
+
+Listing parameters_of(std::string_view profile) {
+  Listing out{"parameters",
+              {"number", "symbol", "meaning", "unit", "default", "range", "name_zh", "effective", "source"},
+              {},
+              5};
+  for (const auto& p : dialects::parameters(profile))
+    out.rows.push_back(
+        {p.number, p.symbol, p.meaning, p.unit, p.default_value, p.range, p.name_zh, p.effective, p.source});
+  return out;
+}
+
+Listing mcodes_of(std::string_view profile) {
+  Listing out{"mcodes", {"code", "meaning", "source"}, {}, 2};
+  for (const auto& m : dialects::mcodes(profile)) out.rows.push_back({m.code, m.meaning, m.source});
+  return out;
+}
+
+Listing signals_of(std::string_view profile) {
+  Listing out{"signals", {"address", "symbol", "direction", "meaning", "source"}, {}, 4};
+  for (const auto& s : dialects::signals(profile))
+    out.rows.push_back({s.address, s.symbol, s.direction, s.meaning, s.source});
+  return out;
+}
+
+Listing variables_of(std::string_view profile) {
+  Listing out{"variables", {"number", "access", "meaning", "source"}, {}, 3};
+  for (const auto& v : dialects::variables(profile))
+    out.rows.push_back({v.number, v.access, v.meaning, v.source});
+  return out;
+}
+
+Listing gcodes_of(std::string_view profile) {
+  Listing out{"gcodes", {"code", "B", "C", "group", "handler", "meaning", "state"}, {}, 7};
+  for (const auto& g : gcode_states(profile))
+    out.rows.push_back({g.a, g.b, g.c, g.group, g.handler, g.meaning, g.done ? "done" : "missing"});
+  return out;
+}
+
+struct Choice {
+  const char* option;
+  const char* help;
+  Listing (*list)(std::string_view);
+};
+constexpr std::array<Choice, 6> kChoices{{
+    {"--alarms", "alarms: number, English, Chinese", alarms_of},
+    {"--parameters", "parameters: number, symbol, meaning, unit, default", parameters_of},
+    {"--gcodes", "G codes with their group in every G-code system", gcodes_of},
+    {"--mcodes", "M codes", mcodes_of},
+    {"--signals", "PMC / PLC signals", signals_of},
+    {"--variables", "macro variables", variables_of},
+}};
+
+void print(const Listing& listing) {
+  for (const auto& row : listing.rows) {
+    for (std::size_t i = 0; i < listing.shown; ++i) std::cout << (i == 0 ? "" : "\t") << row[i];
+    std::cout << '\n';
+  }
+}
+
+nlohmann::ordered_json to_json(const Listing& listing) {
+  auto out = nlohmann::ordered_json::array();
+  for (const auto& row : listing.rows) {
+    nlohmann::ordered_json entry;
+    for (std::size_t i = 0; i < row.size(); ++i) entry[std::string(listing.columns[i])] = std::string(row[i]);
+    out.push_back(std::move(entry));
+  }
+  return out;
+}
+
+// Done and missing codes of the dialect's tables, as this build of the interpreter carries them out.
+nlohmann::ordered_json coverage_of(std::string_view profile) {
+  const auto split = [](const auto& codes, const auto& name) {
+    nlohmann::ordered_json done = nlohmann::ordered_json::array(), missing = nlohmann::ordered_json::array();
+    for (const auto& code : codes) (code.done ? done : missing).push_back(std::string(name(code)));
+    nlohmann::ordered_json counts = {{"total", codes.size()}, {"done", done.size()}};
+    return nlohmann::ordered_json{{"counts", counts}, {"done", done}, {"missing", missing}};
+  };
+  return {{"profile", std::string(profile)},
+          {"gcodes", split(gcode_states(profile), [](const GCodeState& g) { return g.name(); })},
+          {"mcodes", split(mcode_states(profile), [](const MCodeState& m) { return m.code; })},
+          {"note", "alarms and parameters are not measured yet"}};
+}
+
+void print_coverage(const nlohmann::ordered_json& coverage) {
+  for (const char* kind : {"gcodes", "mcodes"}) {
+    const auto& part = coverage[kind];
+    std::cout << kind << ": " << part["counts"]["done"] << " of " << part["counts"]["total"]
+              << " done\n  missing:";
+    for (const auto& code : part["missing"]) std::cout << ' ' << code.get<std::string>();
+    std::cout << '\n';
+  }
+  std::cout << coverage["note"].get<std::string>() << '\n';
+}
+
+struct Options {
+  std::string profile;
+  std::array<bool, kChoices.size()> wanted{};
+  bool coverage = false;
+  bool json = false;
+};
+
+int run(const Options& options) {
+  const auto known = dialects::profiles();
+  if (std::find(known.begin(), known.end(), options.profile) == known.end()) {
+    std::cerr << "headstock profile: unknown profile \"" << options.profile << "\"; one of";
+    for (const auto profile : known) std::cerr << ' ' << profile;
+    std::cerr << '\n';
+    return 1;
+  }
+  nlohmann::ordered_json json = {{"profile", options.profile}};
+  bool any = false;
+  for (std::size_t i = 0; i < kChoices.size(); ++i) {
+    if (!options.wanted[i]) continue;
+    any = true;
+    const Listing listing = kChoices[i].list(options.profile);
+    if (options.json)
+      json[std::string(listing.name)] = to_json(listing);
+    else
+      print(listing);
+  }
+  if (options.coverage) {
+    any = true;
+    const auto coverage = coverage_of(options.profile);
+    if (options.json)
+      json["coverage"] = coverage;
+    else
+      print_coverage(coverage);
+  }
+  if (!any) {  // a summary
+    for (const auto& choice : kChoices) {
+      const Listing listing = choice.list(options.profile);
+      if (options.json)
+        json[std::string(listing.name)] = listing.rows.size();
+      else
+        std::cout << listing.name << '\t' << listing.rows.size() << '\n';
+    }
+  }
+  if (options.json) std::cout << json.dump(2) << '\n';
+  return std::cout.flush() ? 0 : 1;
+}
+
+}  // namespace
+
+void add_profile(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<Options>();
+  auto* command =
+      app.add_subcommand("profile", "What a controller has: alarms, parameters, codes, and which are done");
+  command
+      ->add_option("PROFILE", options->profile,
+                   "fanuc-0i-t, fanuc-0i-m, gsk-2000tc, gsk-218t, k2000tc or lathe-200t")
+      ->required();
+  for (std::size_t i = 0; i < kChoices.size(); ++i)
+    command->add_flag(kChoices[i].option, options->wanted[i], kChoices[i].help);
+  command->add_flag("--coverage", options->coverage,
+                    "G and M codes that this version carries out, and those it refuses");
+  command->add_flag("--json", options->json, "as one JSON object, with every column");
+  command->callback([options, &exit_status] { exit_status = run(*options); });
+}
+
+}  // namespace headstock::offline

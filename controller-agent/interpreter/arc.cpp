@@ -1,0 +1,169 @@
+// G02/G03: centre from I J K or R, helix and spiral.
+#include <cmath>
+#include <numbers>
+
+#include "interpreter/executor.hpp"
+
+namespace headstock::interp {
+namespace {
+
+struct PlaneAxes {
+  char first, second;                // axis names
+  char center_first, center_second;  // their centre words
+};
+constexpr PlaneAxes kPlanes[] = {{'X', 'Y', 'I', 'J'}, {'Z', 'X', 'K', 'I'}, {'Y', 'Z', 'J', 'K'}};
+
+struct Point {
+  double first = 0, second = 0;
+};
+
+double distance(Point a, Point b) {
+  return std::hypot(a.first - b.first, a.second - b.second);
+}
+
+// The centre left of the way for a short counter-clockwise arc; a clockwise or a long one mirrors it.
+Point center_by_radius(Point from, Point to, double radius, Turn turn) {
+  const double chord = distance(from, to);
+  const double half = chord / 2;
+  const double height = std::sqrt(std::max(0.0, radius * radius - half * half));
+  const double side = (turn == Turn::ccw) == (radius > 0) ? 1 : -1;
+  return {(from.first + to.first) / 2 - side * height * (to.second - from.second) / chord,
+          (from.second + to.second) / 2 + side * height * (to.first - from.first) / chord};
+}
+
+// Angle swept in the direction of the turn, (0, 2π]; start and end on one ray are a full circle.
+double swept(Point from, Point to, Point center, Turn turn) {
+  const double a = std::atan2(from.second - center.second, from.first - center.first);
+  const double b = std::atan2(to.second - center.second, to.first - center.first);
+  double angle = turn == Turn::ccw ? b - a : a - b;
+  const double full = 2 * std::numbers::pi;
+  if (angle < 0) angle += full;
+  return angle < 1e-12 ? full : angle;
+}
+
+}  // namespace
+
+bool Executor::arc(Turn turn) {
+  const PlaneAxes& names = kPlanes[static_cast<std::size_t>(plane)];
+  const auto first = axis_named(names.first);
+  const auto second = axis_named(names.second);
+  if (!first || !second)
+    return alarm(AlarmReason::arc_plane, code_column, std::string{names.first, names.second});
+
+  const Point from{slide_mm(*first), slide_mm(*second)};
+  std::uint32_t moved = 0;
+  if (!take_targets(moved)) return false;
+  const auto target = [this](std::size_t axis) {
+    return static_cast<double>(round_to(axes[axis].position, axes[axis].increment)) / 1e9 *
+           axes[axis].mm_per_unit;
+  };
+  const Point to{target(*first), target(*second)};
+  moved |= 1u << *first | 1u << *second;
+
+  double tolerance = data.parameter(dialect.arcs.tolerance_parameter, dialect.arcs.tolerance_mm);
+  if (switches.lenient)
+    tolerance = std::max(tolerance, 0.1);  // field files were rounded by their post-processors
+  const bool by_center = block.has(names.center_first) || block.has(names.center_second);
+
+  Point center;
+  double radius = 0;
+  if (block.has('R')) {
+    const program::Word& word = block['R'];
+    if (by_center && dialect.arcs.r_and_center_is_alarm)
+      return alarm(AlarmReason::arc_r_and_center, word.column, "R");
+    const double wanted = length_mm(word);
+    if (wanted == 0) return alarm(AlarmReason::arc_no_center, word.column, "R");
+    if (wanted < 0 && !dialect.arcs.negative_r) return alarm(AlarmReason::arc_negative_r, word.column, "R");
+    const double chord = distance(from, to);
+    if (chord == 0) {  // 0°: nothing moves in the plane (0i-D 4.3)
+      if (dialect.arcs.closed_by_r_is_alarm) return alarm(AlarmReason::arc_r_too_small, word.column, "R");
+      return feed();
+    }
+    // A semicircle written with rounded end points must not fail on the last digit.
+    const double slack = std::max(tolerance, 2 * static_cast<double>(linear_increment) / 1e9 * unit_mm);
+    if (std::fabs(wanted) < chord / 2 - slack) return alarm(AlarmReason::arc_r_too_small, word.column, "R");
+    center = center_by_radius(from, to, wanted, turn);
+    radius = std::max(std::fabs(wanted), chord / 2);
+  } else if (by_center) {
+    const auto offset = [this](char letter) { return block.has(letter) ? length_mm(block[letter]) : 0; };
+    center = {from.first + offset(names.center_first), from.second + offset(names.center_second)};
+    radius = distance(from, center);
+    const program::Word& word =
+        block.has(names.center_first) ? block[names.center_first] : block[names.center_second];
+    if (radius == 0) return alarm(AlarmReason::arc_no_center, word.column, "I J K");
+    const double mismatch = std::fabs(distance(to, center) - radius);
+    if (tolerance > 0 && mismatch > tolerance) {
+      return alarm(AlarmReason::arc_radius, word.column, std::to_string(mismatch) + " mm");
+    }
+  } else {
+    return alarm(AlarmReason::arc_no_center, 0, "R I J K");
+  }
+
+  const double angle = swept(from, to, center, turn);
+  double value = 0;
+  FeedUnit unit{};
+  if (!cutting_feed(radius, value, unit)) return false;  // inverse time: by the radius (0i-D 5.3)
+  auto& motion = emit<Arc>();
+  fill_motion(motion, moved);
+  motion.feed = value;
+  motion.unit = unit;
+  motion.plane = plane;
+  motion.turn = turn;
+  motion.radius_mm = radius;
+  motion.turns = angle / (2 * std::numbers::pi);
+  motion.center_work = motion.end_work;
+  motion.center_machine = motion.end_machine;
+  motion.center_work[*first] = center.first / axes[*first].mm_per_unit;
+  motion.center_work[*second] = center.second / axes[*second].mm_per_unit;
+  motion.center_machine[*first] = center.first + modal.work_zero[*first];
+  motion.center_machine[*second] = center.second + modal.work_zero[*second];
+  return true;
+}
+
+// G32/G33/G34. The lead handed on is along the longer axis, as the machine's spindle synchronisation needs
+// it.
+bool Executor::thread(bool variable) {
+  const auto& rules = dialect.threads;
+  if (block.has('F') && block.has('I') && rules.f_and_i_is_alarm) {
+    return alarm(AlarmReason::thread_f_and_i, block['I'].column, "I");
+  }
+  for (const char runout : {'J', 'K'}) {
+    if (block.has(runout) && !(variable && runout == rules.change_word)) {
+      return alarm(AlarmReason::g_unavailable, block[runout].column, std::string(code->name) + ' ' + runout);
+    }
+  }
+  if (block.has('F')) {
+    const program::Word& word = block['F'];
+    lead_mm = word.point || pocket ? word.value() * unit_mm
+              : modal.inch         ? word.value() * dialect.numbers.feed_per_revolution_unit_inch * 25.4
+                                   : word.value() * dialect.numbers.feed_per_revolution_unit_mm;
+  } else if (block.has('I') && rules.inch_word) {
+    const double per_inch = block['I'].value();
+    lead_mm = per_inch > 0 ? 25.4 / per_inch : 0;
+  }
+  const std::uint32_t lead_column = block.has('F')   ? block['F'].column
+                                    : block.has('I') ? block['I'].column
+                                                     : 0;
+  if (!(lead_mm > 0) || lead_mm > rules.most_lead_mm)
+    return alarm(AlarmReason::thread_lead, lead_column, "F");
+
+  const AxisVector from = machine_now;
+  std::uint32_t moved = 0;
+  if (!take_targets(moved)) return false;
+  if (moved == 0) return true;
+  auto& motion = emit<Thread>();
+  fill_motion(motion, moved);
+  double path = 0, longest = 0;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const double d = std::fabs(machine_now[i] - from[i]);
+    path += d * d;
+    longest = std::max(longest, d);
+  }
+  motion.lead_mm = rules.lead_along_path && path > 0 ? lead_mm * longest / std::sqrt(path) : lead_mm;
+  if (variable && block.has(rules.change_word)) motion.lead_change_mm = length_mm(block[rules.change_word]);
+  if (block.has('Q')) motion.start_angle_deg = static_cast<double>(block['Q'].integer()) * rules.q_unit_deg;
+  if (!rules.f_is_feed_too && block.has('F')) feed_mm = -1;
+  return true;
+}
+
+}  // namespace headstock::interp

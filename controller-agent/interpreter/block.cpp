@@ -1,0 +1,252 @@
+// One block: checks, then everything it commands in the controllers' order.
+#include <bit>
+
+#include "interpreter/executor.hpp"
+
+namespace headstock::interp {
+namespace {
+
+using program::letters;
+
+char lowest_letter(std::uint32_t mask) {
+  return static_cast<char>('A' + std::countr_zero(mask));
+}
+
+constexpr std::uint32_t kFeedSpindleTool = letters("FST");
+
+}  // namespace
+
+bool Executor::execute() {
+  if (!check_words() || !take_codes()) return false;
+  if (setting_count != 0 && !run_settings()) return false;
+  if ((block.words & kFeedSpindleTool) != 0) {
+    if (block.has('F') && !take_feed()) return false;
+    if (block.has('S') && !take_spindle()) return false;
+    if (block.has('T') && !take_tool()) return false;
+  }
+  if (block.m_count != 0 && !run_m_codes(false)) return false;
+  if (spindle_changed) emit_spindle();
+
+  // A move of an axis that the machine does not have must not be left out silently.
+  if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters; wrong != 0) {
+    const char letter = lowest_letter(wrong);
+    return alarm(AlarmReason::illegal_address, block[letter].column, std::string(1, letter));
+  }
+  if (action != nullptr) {
+    code = action;
+    code_column = action_column;
+    if (!action->handler(*this)) return false;
+  } else if (((block.words & axis_letters) | pending_axes) != 0) {
+    code = motion_code;
+    if (motion_code->phase == Phase::unavailable) {
+      return alarm(AlarmReason::g_unavailable, 0, std::string(motion_code->name));
+    }
+    if (!motion_code->handler(*this)) return false;
+  } else if (block.has('I') && motion_code->handler != nullptr) {
+    // A full circle needs no axis word; a straight move ignores the word.
+    code = motion_code;
+    if (!motion_code->handler(*this)) return false;
+  } else if (((block.words & letters("JKR")) != 0) && motion_code->handler != nullptr) {
+    code = motion_code;
+    if (!motion_code->handler(*this)) return false;
+  }
+  if (block.m_count == 0) return true;
+  return run_m_codes(true) && run_program_flow();
+}
+
+bool Executor::check_words() {
+  const program::Block& b = block;
+  if (const std::uint32_t wrong = b.words & ~legal; wrong != 0) {
+    const char letter = lowest_letter(wrong);
+    return alarm(AlarmReason::illegal_address, b[letter].column, std::string(1, letter));
+  }
+  if (const std::uint32_t wrong = b.pointed & ~may_point; wrong != 0) {
+    const char letter = lowest_letter(wrong);
+    return alarm(AlarmReason::decimal_point, b[letter].column, std::string(1, letter));
+  }
+  if (const std::uint32_t wrong = b.negative & ~may_minus; wrong != 0) {
+    const char letter = lowest_letter(wrong);
+    return alarm(AlarmReason::minus_sign, b[letter].column, std::string(1, letter));
+  }
+  if (b.repeated == 0 && b.inner_slash == 0) return true;
+  const bool refused =
+      dialect.repeated_words == dialects::Repeated::alarm || data.bit(dialect.repeated_alarm_parameter);
+  if (b.repeated != 0 && refused && !switches.lenient) {
+    if (const std::uint32_t wrong = b.repeated & ~dialect.may_repeat; wrong != 0) {
+      const char letter = lowest_letter(wrong);
+      return alarm(AlarmReason::duplicate_word, b[letter].column, std::string(1, letter));
+    }
+  }
+  if (b.inner_slash != 0 && dialect.inner_slash_is_alarm)
+    return alarm(AlarmReason::slash_position, b.inner_slash);
+  return true;
+}
+
+// Sorts the G codes by what they are; the last of a group counts.
+bool Executor::take_codes() {
+  setting_count = 0;
+  action = nullptr;
+  exact_stop_once = false;
+  pending_axes = 0;
+  const GCode* new_motion = nullptr;
+  std::uint32_t groups = 0;
+  for (std::size_t i = 0; i < block.g_count; ++i) {
+    const program::Code& written = block.g[i];
+    const GCode* row = table->find(written.tenths);
+    if (row == nullptr) return alarm(AlarmReason::illegal_g, written, 'G');
+    if (row->group != 0) {
+      const std::uint32_t bit = 1u << row->group;
+      if ((groups & bit) != 0 && dialect.same_group == dialects::Repeated::alarm && !switches.lenient) {
+        return alarm(AlarmReason::g_same_group, written, 'G');
+      }
+      groups |= bit;
+    }
+    switch (row->phase) {
+      case Phase::unavailable:
+        return alarm(AlarmReason::g_unavailable, written, 'G');
+      case Phase::setting:
+        settings[setting_count] = row;
+        setting_columns[setting_count++] = written.column;
+        break;
+      case Phase::modifier:
+        exact_stop_once = true;
+        break;
+      case Phase::action:
+        action = row;
+        action_column = written.column;
+        break;
+      case Phase::motion:
+        new_motion = row;
+        break;
+    }
+    if (row->group != 0) modal.g[row->group] = row->tenths;
+  }
+  if (action != nullptr && new_motion != nullptr && dialect.one_shot_with_motion_is_alarm &&
+      !switches.lenient) {
+    return alarm(AlarmReason::g_one_shot_and_motion, action_column, std::string(action->name));
+  }
+  if (action != nullptr && block.has('T') && dialect.t_refused_with_actions) {
+    return alarm(AlarmReason::t_not_allowed, block['T'].column, std::string(action->name));
+  }
+  if (new_motion != nullptr) motion_code = new_motion;
+  return true;
+}
+
+bool Executor::run_settings() {
+  for (std::size_t i = 0; i < setting_count; ++i) {
+    code = settings[i];
+    code_column = setting_columns[i];
+    if (code->handler != nullptr && !code->handler(*this)) return false;
+  }
+  return true;
+}
+
+bool Executor::run_m_codes(bool after_motion) {
+  using dialects::MAction;
+  if (!after_motion) {
+    const std::size_t most = data.bit(dialect.more_m_parameter) ? 3 : dialect.most_m_codes;
+    if (block.m_count > most && !switches.lenient) {
+      return alarm(AlarmReason::too_many_m, block.m[most], 'M');
+    }
+    if (block.m_pointed && !switches.lenient)
+      return alarm(AlarmReason::decimal_point, block.m[0].column, "M");
+  }
+  for (std::size_t i = 0; i < block.m_count; ++i) {
+    if (block.m[i].tenths < 0 || block.m[i].tenths % 10 != 0)
+      return alarm(AlarmReason::decimal_point, block.m[i].column, "M");
+    const std::int32_t number = block.m[i].tenths / 10;
+    const MAction what = dialect.m_action(number);
+    bool is_after = false;
+    switch (what) {
+      case MAction::spindle_cw:
+      case MAction::spindle_ccw:
+        if (!after_motion) {
+          spindle_direction = what == MAction::spindle_cw ? SpindleDirection::cw : SpindleDirection::ccw;
+          spindle_changed = true;
+        }
+        break;
+      case MAction::spindle_stop:
+        is_after = true;
+        if (after_motion) {
+          spindle_direction = SpindleDirection::stop;
+          emit_spindle();
+        }
+        break;
+      case MAction::machine:
+        break;
+      case MAction::machine_after:
+        is_after = true;
+        break;
+      case MAction::unavailable:
+        return alarm(AlarmReason::m_unavailable, block.m[i], 'M');
+      default:
+        continue;  // program flow, not sent to the machine
+    }
+    if (is_after != after_motion) continue;
+    if (spindle_changed) emit_spindle();
+    auto& sent = emit<MCode>();
+    sent.at = at;
+    sent.modal = modal;
+    sent.code = number;
+    sent.after_motion = is_after;
+  }
+  return true;
+}
+
+bool Executor::run_program_flow() {
+  using dialects::MAction;
+  for (std::size_t i = 0; i < block.m_count; ++i) {
+    const std::uint32_t column = block.m[i].column;
+    switch (dialect.m_action(block.m[i].tenths / 10)) {
+      case MAction::program_stop:
+      case MAction::optional_stop: {
+        const bool optional = dialect.m_action(block.m[i].tenths / 10) == MAction::optional_stop;
+        if (optional && !switches.optional_stop) break;
+        auto& stop = emit<Stop>();
+        stop.at = at;
+        stop.modal = modal;
+        stop.optional = optional;
+        break;
+      }
+      case MAction::end_m02:
+      case MAction::end_m30: {
+        const bool m30 = dialect.m_action(block.m[i].tenths / 10) == MAction::end_m30;
+        const bool counts = (m30 || dialect.m02_counts_part) && !data.bit(dialect.no_count_parameter);
+        return finish(m30 ? EndReason::m30 : EndReason::m02, counts);
+      }
+      case MAction::call: {
+        if (dialect.calls.by_name) return alarm(AlarmReason::call_without_p, column, "M98");
+        if (!block.has('P')) return alarm(AlarmReason::call_without_p, column, "M98");
+        const std::int64_t p = whole('P', AlarmReason::call_count);
+        if (p < 0) return false;
+        std::int64_t times = p > 9'999 ? p / 10'000 : 1;
+        if (block.has('L') && dialect.calls.l_repeats) {
+          if (p > 9'999) return alarm(AlarmReason::call_count, block['L'].column, "L");
+          times = whole('L', AlarmReason::call_count);
+          if (times < 0) return false;
+        }
+        if (times > dialect.calls.most_repeats) return alarm(AlarmReason::call_count, block['P'].column, "P");
+        const auto number = static_cast<std::uint32_t>(p % 10'000);
+        return call(programs == nullptr ? nullptr : programs->open_number(number), number, times,
+                    block['P'].column);
+      }
+      case MAction::return_: {
+        std::int64_t sequence = -1;
+        if (block.has('P')) {
+          sequence = whole('P', AlarmReason::sequence_not_found);
+          if (sequence < 0) return false;
+        }
+        if (frames.size() > 1) return return_from_sub(sequence, column);
+        if (sequence >= 0) return jump_to_sequence(sequence, column);
+        return finish(EndReason::m99_main, dialect.m99_main_counts_part);
+      }
+      case MAction::restart:
+        return finish(EndReason::m99_main, dialect.m99_main_counts_part);
+      default:
+        break;
+    }
+  }
+  return true;
+}
+
+}  // namespace headstock::interp

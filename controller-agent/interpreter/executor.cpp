@@ -1,0 +1,183 @@
+#include "interpreter/executor.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace headstock::interp {
+namespace {
+
+using program::letters;
+
+// Letters that name axes, and on a lathe the letters of their increments.
+constexpr std::string_view kAxisNames = "XYZABCUVW";
+constexpr std::string_view kIncrementOf = "XUYVZWCH";  // pairs: axis, its increment
+
+}  // namespace
+
+Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& machine_data,
+                   program::Programs* callable)
+    : dialect(d), machine(m), data(machine_data), programs(callable) {
+  axes.resize(std::min(machine.axes.size(), kMaxAxes));
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    axes[i].name = machine.axes[i].name;
+    axes[i].rotary = machine.axes[i].rotary;
+    axes[i].diameter = machine.axes[i].designation == machine::Designation::diameter ? 0.5 : 1;
+  }
+  plane = dialect.tools.lathe ? Plane::zx : Plane::xy;
+  queue.reserve(8);
+  modal.g.fill(-1);
+  set_units(false);
+  set_switches({});
+  update_zeros();
+}
+
+void Executor::set_switches(const Switches& wanted) {
+  const bool other_system = table == nullptr || wanted.gcode_system != switches.gcode_system;
+  switches = wanted;
+  const std::size_t system = switches.gcode_system == 'C' ? 2 : switches.gcode_system == 'B' ? 1 : 0;
+  const auto& numbers = dialect.numbers;
+  if (other_system) table = &dialect.table(switches.gcode_system);
+
+  using dialects::Decimal;
+  Decimal decimal = data.bit(numbers.decimal_parameter) ? numbers.decimal_when_set : numbers.decimal;
+  if (switches.decimal_point == DecimalPoint::standard) decimal = Decimal::standard;
+  if (switches.decimal_point == DecimalPoint::pocket || switches.lenient) decimal = Decimal::pocket;
+  pocket = decimal == Decimal::pocket;
+
+  lex_rules.semicolon_is_comment = switches.lenient;
+  lex_rules.most_digits = switches.lenient ? 17 : numbers.most_digits;
+
+  axis_of.fill(-1);
+  absolute_letters = incremental_letters = 0;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const char name = axes[i].name;
+    if (kAxisNames.find(name) == kAxisNames.npos) continue;
+    axis_of[program::letter_index(name)] = static_cast<std::int8_t>(i);
+    absolute_letters |= letter_bit(name);
+  }
+  if (dialect.incremental_letters[system]) {
+    for (std::size_t pair = 0; pair < kIncrementOf.size(); pair += 2) {
+      const auto axis = axis_of[program::letter_index(kIncrementOf[pair])];
+      const char letter = kIncrementOf[pair + 1];
+      if (axis < 0 || (absolute_letters & letter_bit(letter)) != 0) continue;
+      axis_of[program::letter_index(letter)] = axis;
+      incremental_letters |= letter_bit(letter);
+    }
+  }
+  axis_letters = absolute_letters | incremental_letters;
+  axis_like = letters("XYZABCUVW") | (dialect.tools.lathe ? letter_bit('H') : 0);
+  constexpr std::uint32_t kAll = (1u << 26) - 1;
+  legal = switches.lenient ? kAll : numbers.addresses;
+  may_point = switches.lenient ? kAll : numbers.pointed;
+  may_minus = switches.lenient ? kAll : numbers.negative | axis_letters;
+  if (other_system) power_on();
+}
+
+// Every group's marked code, then what the parameters choose instead.
+void Executor::power_on() {
+  block.clear();
+  const auto put_in_force = [this](const GCode& row) {
+    if (row.group != 0) modal.g[row.group] = row.tenths;
+    if (row.phase == Phase::motion) motion_code = &row;
+    if (row.phase == Phase::setting && row.handler != nullptr) {
+      code = &row;
+      row.handler(*this);
+    }
+  };
+  const bool inch = modal.inch;  // the unit survives reset and power-off (0i-D 3)
+  modal.g.fill(-1);
+  for (const GCode& row : table->rows()) {
+    if (row.power_on) put_in_force(row);
+  }
+  const std::size_t system = switches.gcode_system == 'C' ? 2 : switches.gcode_system == 'B' ? 1 : 0;
+  for (const auto& chosen : dialect.power_on_switches) {
+    const GCode* row = data.bit(chosen.parameter) ? table->find(chosen.tenths[system]) : nullptr;
+    if (row != nullptr) put_in_force(*row);
+  }
+  set_units(inch);
+  feed_mm = dialect.numbers.power_on_feed_mm_min;
+}
+
+void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& machine_position) {
+  frames.clear();
+  Frame frame;
+  frame.reader = std::make_unique<program::BlockReader>(std::move(main), dialect.longest_block);
+  frames.push_back(std::move(frame));
+  queue.clear();
+  queue_head = 0;
+  finished = false;
+  jumps = 0;
+  at = {};
+  linear_rapid = data.bit(dialect.linear_rapid_parameter);
+  update_zeros();
+  set_position(machine_position);
+}
+
+Pull Executor::next(Operation& wanted) {
+  out = &wanted;
+  out_used = false;
+  for (;;) {
+    if (queue_head < queue.size()) {
+      wanted = std::move(queue[queue_head++]);
+      if (queue_head == queue.size()) {
+        queue.clear();
+        queue_head = 0;
+      }
+      return Pull::operation;
+    }
+    if (finished) return Pull::finished;
+    const Step result = step();
+    if (out_used) return Pull::operation;
+    if (result == Step::wait) return Pull::wait;
+  }
+}
+
+void Executor::reset(const AxisVector& machine_position) {
+  frames.clear();
+  queue.clear();
+  queue_head = 0;
+  finished = true;
+  if (dialect.reset_clears || data.bit(dialect.reset_clears_parameter)) power_on();
+  spindle_direction = SpindleDirection::stop;
+  set_position(machine_position);
+}
+
+void Executor::set_position(const AxisVector& machine_position) {
+  for (std::size_t i = 0; i < axes.size(); ++i) set_axis_machine(i, machine_position[i]);
+}
+
+AxisVector Executor::to_work(const AxisVector& machine_position, const ModalSnapshot& under) const {
+  AxisVector work{};
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const double unit = under.inch && !axes[i].rotary ? 25.4 : 1;
+    work[i] = (machine_position[i] - under.work_zero[i]) / (axes[i].diameter * unit);
+  }
+  return work;
+}
+
+bool Executor::alarm(AlarmReason reason, std::uint32_t column, std::string detail) {
+  if (finished) return false;
+  auto& raised = emit<Alarm>();
+  raised.at = at;
+  raised.at.column = column;
+  raised.code = dialect.alarm_code(reason);
+  raised.detail = std::move(detail);
+  finished = true;
+  return false;
+}
+
+bool Executor::alarm(AlarmReason reason, const program::Code& wrong, char letter) {
+  std::string text(1, letter);
+  if (wrong.tenths >= 0) {
+    text += std::to_string(wrong.tenths / 10);
+    if (wrong.tenths % 10 != 0) text += '.' + std::to_string(wrong.tenths % 10);
+  }
+  return alarm(reason, wrong.column, std::move(text));
+}
+
+void Executor::report_change(std::string what, double before, double after) {
+  ++data.version;
+  if (changed) changed({std::move(what), before, after});
+}
+
+}  // namespace headstock::interp

@@ -1,0 +1,120 @@
+// F, S and T words.
+#include <cmath>
+
+#include "interpreter/executor.hpp"
+#include "interpreter/handlers.hpp"
+
+namespace headstock::interp {
+
+std::int64_t Executor::whole(char letter, AlarmReason otherwise) {
+  const program::Word& word = block[letter];
+  if (word.digits < 0 || word.digits % program::kPowerOfTen[word.decimals] != 0) {
+    alarm(otherwise, word.column, std::string(1, letter));
+    return -1;
+  }
+  return word.integer();
+}
+
+double Executor::feed_value(const program::Word& word) const {
+  const auto& numbers = dialect.numbers;
+  double unit = 1;
+  if (!word.point && !pocket) {
+    if (feed_unit == FeedUnit::mm_per_minute) {
+      unit = modal.inch ? numbers.feed_per_minute_unit_inch : numbers.feed_per_minute_unit_mm;
+    } else if (feed_unit == FeedUnit::mm_per_revolution) {
+      unit = modal.inch ? numbers.feed_per_revolution_unit_inch : numbers.feed_per_revolution_unit_mm;
+    } else {
+      unit = 0.001;
+    }
+  }
+  // Division by a whole number stays exact where multiplication by 0.01 would not.
+  return unit < 1 ? word.value() / std::round(1 / unit) : word.value() * unit;
+}
+
+bool Executor::take_feed() {
+  const program::Word& word = block['F'];
+  if (motion_code->handler == handlers::thread || motion_code->handler == handlers::thread_variable) {
+    if (!dialect.threads.f_is_feed_too) return true;  // a lead: see thread()
+  }
+  const double value = feed_value(word);
+  modal.feed = value;
+  feed_mm = feed_unit == FeedUnit::inverse_time ? value : value * unit_mm;
+  return true;
+}
+
+bool Executor::take_spindle() {
+  const program::Word& word = block['S'];
+  const double value = word.value();
+  if (action != nullptr && action->handler == handlers::set_coordinates) {  // G50 S, G92 S: the clamp
+    clamp_rpm = value;
+    spindle_changed = true;
+    return true;
+  }
+  // m/min, or feet/min under G20.
+  if (constant_surface_speed) {
+    surface_speed = value * (modal.inch ? 0.3048 : 1);
+  } else {
+    rpm = value;
+  }
+  modal.spindle_speed = value;
+  spindle_changed = true;
+  return true;
+}
+
+void Executor::emit_spindle() {
+  auto& state = emit<Spindle>();
+  state.at = at;
+  state.direction = spindle_direction;
+  state.constant_surface_speed = constant_surface_speed;
+  state.speed = constant_surface_speed ? surface_speed : rpm;
+  state.clamp_rpm = clamp_rpm;
+  spindle_changed = false;
+}
+
+bool Executor::take_tool() {
+  const program::Word& word = block['T'];
+  const std::int64_t value = whole('T', AlarmReason::offset_number);
+  if (value < 0) return false;
+  if (!dialect.tools.lathe) {
+    auto& tool = emit<Tool>();
+    tool.at = at;
+    tool.tool = static_cast<std::int32_t>(value);
+    modal.tool = tool.tool;
+    return true;
+  }
+  int digits =
+      static_cast<int>(data.parameter(dialect.tools.offset_digits_parameter, dialect.tools.offset_digits));
+  if (digits < 1 || digits > 3) digits = dialect.tools.offset_digits;
+  const std::int64_t split = program::kPowerOfTen[static_cast<std::size_t>(digits)];
+  const std::int64_t number = value / split;
+  const std::int64_t wear = value % split;
+  const bool by_tool = data.bit(dialect.tools.geometry_by_tool_parameter);
+  if (!apply_tool_offset(by_tool && wear != 0 ? number : wear, wear, word.column)) return false;
+  modal.tool = static_cast<std::int32_t>(number);
+  modal.offset = static_cast<std::int32_t>(wear);
+  auto& tool = emit<Tool>();
+  tool.at = at;
+  tool.tool = modal.tool;
+  tool.offset = modal.offset;
+  return true;
+}
+
+// By coordinate shift: the slides stay, the position display changes.
+bool Executor::apply_tool_offset(std::int64_t geometry, std::int64_t wear, std::uint32_t column) {
+  const auto most = static_cast<std::int64_t>(dialect.tools.most_offsets);
+  if (geometry > most || wear > most) return alarm(AlarmReason::offset_number, column, "T");
+  const auto row = [this](std::int64_t number) -> const ToolOffset* {
+    const auto index = static_cast<std::size_t>(number);
+    return number > 0 && index < data.tools.size() ? &data.tools[index] : nullptr;
+  };
+  const ToolOffset* shape = row(geometry);
+  const ToolOffset* worn = row(wear);
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const double page = (shape != nullptr ? shape->geometry[i] : 0) + (worn != nullptr ? worn->wear[i] : 0);
+    axes[i].zero_tool = dialect.tools.sign * page_to_slide(i, page);
+  }
+  update_zeros();
+  return true;
+}
+
+}  // namespace headstock::interp

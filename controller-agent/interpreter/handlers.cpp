@@ -1,0 +1,188 @@
+#include "interpreter/handlers.hpp"
+
+#include <algorithm>
+
+#include "interpreter/executor.hpp"
+
+namespace headstock::interp::handlers {
+
+bool preset_coordinates(Executor& ex);
+bool local(Executor& ex);
+bool machine_move(Executor& ex);
+bool work_select(Executor& ex);
+bool reference_return(Executor& ex);
+bool reference_return_n(Executor& ex);
+bool reference_from(Executor& ex);
+bool reference_check(Executor& ex);
+bool data_input(Executor& ex);
+
+namespace {
+
+bool rapid(Executor& ex) {
+  return ex.rapid();
+}
+bool feed(Executor& ex) {
+  return ex.feed();
+}
+bool arc_cw(Executor& ex) {
+  return ex.arc(Turn::cw);
+}
+bool arc_ccw(Executor& ex) {
+  return ex.arc(Turn::ccw);
+}
+
+template <Plane plane>
+bool select_plane(Executor& ex) {
+  ex.plane = plane;
+  return true;
+}
+
+template <bool inch>
+bool select_unit(Executor& ex) {
+  if (ex.modal.inch == inch) return true;
+  ex.set_units(inch);
+  ex.feed_mm = -1;  // F means something else now
+  return true;
+}
+
+template <bool incremental>
+bool select_distance(Executor& ex) {
+  ex.incremental = incremental;
+  return true;
+}
+
+template <FeedUnit unit>
+bool select_feed(Executor& ex) {
+  if (ex.feed_unit != unit) ex.feed_mm = -1;  // F must be commanded again in the new unit
+  ex.feed_unit = unit;
+  ex.modal.per_revolution = unit == FeedUnit::mm_per_revolution;
+  return true;
+}
+
+template <bool on>
+bool surface_speed(Executor& ex) {
+  if (ex.constant_surface_speed != on) ex.spindle_changed = true;
+  ex.constant_surface_speed = on;
+  ex.modal.spindle_speed = on ? ex.surface_speed / (ex.modal.inch ? 0.3048 : 1) : ex.rpm;
+  return true;
+}
+
+template <bool on>
+bool exact_stop(Executor& ex) {
+  ex.exact_stop_mode = on;
+  return true;
+}
+
+bool dwell(Executor& ex) {
+  const program::Block& b = ex.block;
+  const auto seconds = [&ex](const program::Word& word) {
+    return word.point || ex.pocket ? word.value() : word.value() / 1000;
+  };
+  double amount = 0;
+  bool given = true;
+  if (b.has('X') && b.has('P') && ex.dialect.repeated_words == dialects::Repeated::alarm &&
+      !ex.switches.lenient) {
+    return ex.alarm(AlarmReason::dwell_words, b['P'].column, "P");
+  }
+  if (b.has('X')) {
+    amount = seconds(b['X']);
+  } else if (b.has('U') && ex.dialect.tools.lathe) {
+    amount = seconds(b['U']);
+  } else if (b.has('P')) {
+    amount = b['P'].value() / 1000;  // always in milliseconds
+  } else {
+    given = false;
+  }
+  if (amount < 0) return ex.alarm(AlarmReason::minus_sign, ex.code_column, "G04");
+  auto& pause = ex.emit<Dwell>();  // without an amount: an exact stop
+  pause.at = ex.at;
+  pause.modal = ex.modal;
+  const bool turns =
+      ex.feed_unit == FeedUnit::mm_per_revolution && ex.data.bit(ex.dialect.dwell_turns_parameter);
+  if (given) (turns ? pause.revolutions : pause.seconds) = amount;
+  return true;
+}
+
+// G43/G44 H, G49: tool length along Z, by moving the zero point; without a Z word the axis moves by the
+// difference.
+bool length_offset(Executor& ex) {
+  const std::int32_t tenths = ex.code->tenths;
+  ex.length_sign = tenths == 430 ? 1 : tenths == 440 ? -1 : 0;
+  if (ex.block.has('H')) {
+    ex.length_offset = ex.whole('H', AlarmReason::offset_number);
+    if (ex.length_offset < 0) return false;
+    if (ex.length_offset > static_cast<std::int64_t>(ex.dialect.tools.most_offsets)) {
+      return ex.alarm(AlarmReason::offset_number, ex.block['H'].column, "H");
+    }
+  }
+  const auto z = ex.axis_named('Z');
+  if (!z) {
+    return ex.length_sign == 0 ||
+           ex.alarm(AlarmReason::length_axis, ex.code_column, std::string(ex.code->name));
+  }
+  const auto number = static_cast<std::size_t>(ex.length_offset);
+  const bool known = ex.length_sign != 0 && number > 0 && number < ex.data.tools.size();
+  const double length = known ? ex.data.tools[number].geometry[*z] + ex.data.tools[number].wear[*z] : 0;
+  const double shift = ex.length_sign * length;
+  ProgramAxis& axis = ex.axes[*z];
+  if (shift == axis.zero_tool) return true;
+  ex.modal.work_zero[*z] += shift - axis.zero_tool;
+  axis.zero_tool = shift;
+  ex.pending_axes |= 1u << *z;
+  ex.modal.offset = static_cast<std::int32_t>(ex.length_sign == 0 ? 0 : ex.length_offset);
+  return true;
+}
+
+constexpr Named kHandlers[] = {
+    {"rapid", Phase::motion, rapid},
+    {"feed", Phase::motion, feed},
+    {"arc_cw", Phase::motion, arc_cw},
+    {"arc_ccw", Phase::motion, arc_ccw},
+    {"thread", Phase::motion, thread},
+    {"thread_variable", Phase::motion, thread_variable},
+    {"mode", Phase::setting, nullptr},
+    {"plane_xy", Phase::setting, select_plane<Plane::xy>},
+    {"plane_zx", Phase::setting, select_plane<Plane::zx>},
+    {"plane_yz", Phase::setting, select_plane<Plane::yz>},
+    {"inch", Phase::setting, select_unit<true>},
+    {"metric", Phase::setting, select_unit<false>},
+    {"absolute", Phase::setting, select_distance<false>},
+    {"incremental", Phase::setting, select_distance<true>},
+    {"feed_per_minute", Phase::setting, select_feed<FeedUnit::mm_per_minute>},
+    {"feed_per_revolution", Phase::setting, select_feed<FeedUnit::mm_per_revolution>},
+    {"feed_inverse_time", Phase::setting, select_feed<FeedUnit::inverse_time>},
+    {"surface_speed", Phase::setting, surface_speed<true>},
+    {"spindle_speed", Phase::setting, surface_speed<false>},
+    {"exact_stop_mode", Phase::setting, exact_stop<true>},
+    {"cutting_mode", Phase::setting, exact_stop<false>},
+    {"length_offset", Phase::setting, length_offset},
+    {"work_select", Phase::setting, work_select},
+    {"exact_stop", Phase::modifier, nullptr},
+    {"dwell", Phase::action, dwell},
+    {"data_input", Phase::action, data_input},
+    {"reference_check", Phase::action, reference_check},
+    {"reference_return", Phase::action, reference_return},
+    {"reference_return_n", Phase::action, reference_return_n},
+    {"reference_from", Phase::action, reference_from},
+    {"set_coordinates", Phase::action, set_coordinates},
+    {"preset_coordinates", Phase::action, preset_coordinates},
+    {"local", Phase::action, local},
+    {"machine_move", Phase::action, machine_move},
+};
+
+}  // namespace
+
+bool thread(Executor& ex) {
+  return ex.thread(false);
+}
+bool thread_variable(Executor& ex) {
+  return ex.thread(true);
+}
+
+const Named* find(std::string_view name) {
+  const auto* found = std::find_if(std::begin(kHandlers), std::end(kHandlers),
+                                   [name](const Named& named) { return named.name == name; });
+  return found == std::end(kHandlers) ? nullptr : found;
+}
+
+}  // namespace headstock::interp::handlers

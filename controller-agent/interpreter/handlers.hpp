@@ -1,0 +1,24 @@
+// The handlers of G codes that several dialects share, and their names in gcodes.tsv.
+#pragma once
+
+#include <string_view>
+
+#include "dialects/dialect.hpp"
+
+namespace headstock::interp::handlers {
+
+/// What gcodes.tsv means by a handler's name.
+struct Named {
+  std::string_view name;
+  dialects::Phase phase;
+  dialects::Handler handler;  ///< nullptr: the code only changes the modal display
+};
+
+/// @return nullptr when there is no such handler.
+const Named* find(std::string_view name);
+
+bool set_coordinates(Executor& ex);  // G50, G92
+bool thread(Executor& ex);           // G32, G33
+bool thread_variable(Executor& ex);  // G34
+
+}  // namespace headstock::interp::handlers

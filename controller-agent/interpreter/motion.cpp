@@ -1,0 +1,204 @@
+// Axes: units, zero points, targets, straight motion.
+#include <bit>
+#include <cmath>
+
+#include "interpreter/executor.hpp"
+
+namespace headstock::interp {
+
+using program::kNano;
+
+std::optional<std::size_t> Executor::axis_named(char name) const {
+  return machine.axis_index(name);
+}
+
+std::int64_t Executor::round_to(std::int64_t value, std::int64_t increment) const {
+  if (dialect.numbers.rounding == dialects::Rounding::truncate) return value - value % increment;
+  // Half goes toward +∞ (0i-D 8.3): -0.0005 → 0, 0.0005 → 0.001.
+  const std::int64_t shifted = value + increment / 2;
+  std::int64_t below = shifted % increment;
+  if (below < 0) below += increment;
+  return shifted - below;
+}
+
+void Executor::set_units(bool inch_now) {
+  modal.inch = inch_now;
+  unit_mm = inch_now ? 25.4 : 1;
+  std::int64_t increment = kNano / 1'000;
+  if (data.bit(dialect.numbers.coarse_increment_parameter)) increment = kNano / 100;
+  if (data.bit(dialect.numbers.fine_increment_parameter)) increment = kNano / 10'000;
+  linear_increment = inch_now ? increment / 10 : increment;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    ProgramAxis& axis = axes[i];
+    axis.mm_per_unit = axis.diameter * (axis.rotary ? 1 : unit_mm);
+    axis.increment = axis.rotary ? increment : linear_increment;
+    set_axis_machine(i, machine_now[i]);
+  }
+}
+
+double Executor::shown(std::size_t axis) const {
+  return static_cast<double>(round_to(axes[axis].position, axes[axis].increment)) / 1e9;
+}
+
+double Executor::to_machine(std::size_t axis, std::int64_t position) const {
+  const double work = static_cast<double>(round_to(position, axes[axis].increment)) / 1e9;
+  return work * axes[axis].mm_per_unit + modal.work_zero[axis];
+}
+
+void Executor::set_axis_machine(std::size_t axis, double machine_position) {
+  machine_now[axis] = machine_position;
+  const double work = (machine_position - modal.work_zero[axis]) / axes[axis].mm_per_unit;
+  // What moved the axis here was exact in least increments of this or of another unit: keep 1e-6 of them, no
+  // dust.
+  axes[axis].position = std::llround(work * 1e7) * 100;
+  work_now[axis] = static_cast<double>(axes[axis].position) / 1e9;
+}
+
+void Executor::update_zero(std::size_t i) {
+  ProgramAxis& axis = axes[i];
+  axis.zero_external = page_to_slide(i, data.work_external[i] + data.work_shift[i]);
+  const AxisVector& work = work_is_extra ? data.work_extra[work_index] : data.work[work_index];
+  axis.zero_work = page_to_slide(i, work[i]);
+  modal.work_zero[i] =
+      axis.zero_external + axis.zero_work + axis.zero_shift + axis.zero_local + axis.zero_tool;
+  set_axis_machine(i, machine_now[i]);
+}
+
+void Executor::update_zeros() {
+  for (std::size_t i = 0; i < axes.size(); ++i) update_zero(i);
+}
+
+// X together with U, Z together with W: which one counts is the dialect's affair.
+bool Executor::settle_both_forms(std::uint32_t mask) {
+  for (std::uint32_t left = mask & incremental_letters; left != 0; left &= left - 1) {
+    const auto inc = static_cast<unsigned>(std::countr_zero(left));
+    const unsigned abs = program::letter_index(axes[static_cast<std::size_t>(axis_of[inc])].name);
+    if ((mask >> abs & 1u) == 0) continue;
+    switch (dialect.both_forms) {
+      case dialects::BothForms::alarm:
+        return alarm(AlarmReason::absolute_and_incremental, block.word[inc].column,
+                     std::string(1, static_cast<char>('A' + inc)));
+      case dialects::BothForms::absolute_wins:
+        block.words &= ~(1u << inc);
+        break;
+      case dialects::BothForms::later_wins:
+        block.words &= ~(1u << (block.word[inc].column < block.word[abs].column ? inc : abs));
+        break;
+    }
+  }
+  return true;
+}
+
+bool Executor::take_targets(std::uint32_t& moved) {
+  moved = pending_axes;
+  std::uint32_t mask = block.words & axis_letters;
+  if ((mask & incremental_letters) != 0 && (mask & absolute_letters) != 0) {
+    if (!settle_both_forms(mask)) return false;
+    mask = block.words & axis_letters;
+  }
+  for (; mask != 0; mask &= mask - 1) {
+    const auto letter = static_cast<unsigned>(std::countr_zero(mask));
+    const program::Word& word = block.word[letter];
+    const auto index = static_cast<std::size_t>(axis_of[letter]);
+    ProgramAxis& axis = axes[index];
+    std::int64_t value = nano(word, axis.increment);
+    if (dialect.numbers.rounding == dialects::Rounding::truncate) value -= value % axis.increment;
+    const std::int64_t most = dialect.numbers.most_increments * axis.increment;
+    if (value > most || value < -most) {
+      return alarm(AlarmReason::value_range, word.column, std::string(1, static_cast<char>('A' + letter)));
+    }
+    const bool by = incremental || (incremental_letters >> letter & 1u) != 0;
+    axis.position = by ? axis.position + value : value;
+    moved |= 1u << index;
+  }
+  return true;
+}
+
+void Executor::fill_motion(Motion& motion, std::uint32_t moved) {
+  for (std::uint32_t left = moved; left != 0; left &= left - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(left));
+    work_now[i] = shown(i);
+    machine_now[i] = work_now[i] * axes[i].mm_per_unit + modal.work_zero[i];
+  }
+  motion.at = at;
+  motion.modal = modal;
+  motion.end_work = work_now;
+  motion.end_machine = machine_now;
+  motion.axes = moved;
+  motion.exact_stop = exact_stop_once || exact_stop_mode;
+}
+
+bool Executor::emit_rapid_to_machine(const AxisVector& target, std::uint32_t moved,
+                                     bool machine_coordinates) {
+  for (std::uint32_t left = moved; left != 0; left &= left - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(left));
+    set_axis_machine(i, target[i]);
+  }
+  auto& motion = emit<Rapid>();
+  motion.at = at;
+  motion.modal = modal;
+  motion.end_work = work_now;
+  motion.end_machine = machine_now;
+  motion.axes = moved;
+  motion.machine_coordinates = machine_coordinates;
+  motion.exact_stop = true;
+  return true;
+}
+
+bool Executor::rapid() {
+  std::uint32_t moved = 0;
+  if (!take_targets(moved)) return false;
+  if (moved == 0) return true;
+  auto& motion = emit<Rapid>();
+  fill_motion(motion, moved);
+  motion.linear = linear_rapid;
+  return true;
+}
+
+// The feed of a cutting block; under inverse time it depends on the path.
+bool Executor::cutting_feed(double path_mm, double& value, FeedUnit& unit) {
+  if (feed_unit == FeedUnit::inverse_time) {  // F in every block (0i-D 5.3)
+    if (!block.has('F') || feed_mm <= 0) return alarm(AlarmReason::feed_missing, code_column, "F");
+    value = feed_mm * path_mm;
+    unit = FeedUnit::mm_per_minute;
+    return true;
+  }
+  if (feed_mm <= 0) return alarm(AlarmReason::feed_missing, block.has('F') ? block['F'].column : 0, "F");
+  value = feed_mm;
+  unit = feed_unit;
+  return true;
+}
+
+bool Executor::feed() {
+  if (const std::uint32_t corner = block.words & dialect.corner_words;
+      corner != 0 && code->handler != nullptr && code->tenths == 10) {
+    const char letter = static_cast<char>('A' + std::countr_zero(corner));
+    return alarm(AlarmReason::g_unavailable, block[letter].column, std::string("G01 ") + letter);
+  }
+  const AxisVector from = machine_now;
+  std::uint32_t moved = 0;
+  if (!take_targets(moved)) return false;
+  if (moved == 0) return true;
+  if (feed_mm <= 0 || feed_unit == FeedUnit::inverse_time) {
+    double path = 0;
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      const double d = (moved >> i & 1u) != 0 ? to_machine(i, axes[i].position) - from[i] : 0;
+      path += d * d;
+    }
+    double value = 0;
+    FeedUnit unit{};
+    if (!cutting_feed(std::sqrt(path), value, unit)) return false;
+    auto& motion = emit<Feed>();
+    fill_motion(motion, moved);
+    motion.feed = value;
+    motion.unit = unit;
+    return true;
+  }
+  auto& motion = emit<Feed>();
+  fill_motion(motion, moved);
+  motion.feed = feed_mm;
+  motion.unit = feed_unit;
+  return true;
+}
+
+}  // namespace headstock::interp

@@ -1,0 +1,109 @@
+// G27…G30: reference points by way of an intermediate point.
+#include <bit>
+#include <cmath>
+
+#include "interpreter/executor.hpp"
+#include "interpreter/handlers.hpp"
+
+namespace headstock::interp::handlers {
+namespace {
+
+double reference_point(const Executor& ex, std::size_t axis, std::int64_t which) {
+  if (which == 1) return ex.machine.axes[axis].reference_mm;
+  const std::string parameter = std::to_string(1239 + which) + '/' + ex.axes[axis].name;
+  return ex.page_to_slide(
+      axis, ex.data.parameter(parameter, ex.machine.axes[axis].reference_mm / ex.axes[axis].diameter));
+}
+
+// Rapid to the block's point, which is kept per axis for G29.
+bool to_intermediate(Executor& ex, std::uint32_t& moved) {
+  if (!ex.take_targets(moved)) return false;
+  if (moved == 0) return true;
+  auto& motion = ex.emit<Rapid>();
+  ex.fill_motion(motion, moved);
+  motion.exact_stop = true;
+  for (std::uint32_t left = moved; left != 0; left &= left - 1) {
+    auto& axis = ex.axes[static_cast<std::size_t>(std::countr_zero(left))];
+    axis.intermediate = ex.machine_now[static_cast<std::size_t>(std::countr_zero(left))];
+    axis.has_intermediate = true;
+  }
+  return true;
+}
+
+bool to_reference(Executor& ex, std::int64_t which) {
+  std::uint32_t moved = 0;
+  if (!to_intermediate(ex, moved)) return false;
+  if (moved == 0 && ex.dialect.g28_alone_moves_all) moved = (1u << ex.axes.size()) - 1;
+  if (moved == 0) return true;
+  AxisVector target = ex.machine_now;
+  for (std::size_t i = 0; i < ex.axes.size(); ++i) {
+    if ((moved >> i & 1u) == 0) continue;
+    target[i] = reference_point(ex, i, which);
+    if (ex.dialect.reference_cancels_offset && ex.axes[i].zero_tool != 0) {
+      ex.axes[i].zero_tool = 0;
+      ex.update_zero(i);
+    }
+  }
+  return ex.emit_rapid_to_machine(target, moved, true);
+}
+
+}  // namespace
+
+bool reference_return(Executor& ex) {
+  return to_reference(ex, 1);
+}
+
+bool reference_return_n(Executor& ex) {
+  std::int64_t which = 2;
+  if (ex.block.has('P')) {
+    which = ex.whole('P', AlarmReason::reference_number);
+    if (which < 0) return false;
+  }
+  if (which < 2 || which > 4) {
+    return ex.alarm(AlarmReason::reference_number, ex.block['P'].column, "P" + std::to_string(which));
+  }
+  return to_reference(ex, which);
+}
+
+// G29: by the intermediate point of the last G28/G30 to the block's point.
+bool reference_from(Executor& ex) {
+  std::uint32_t named = 0;
+  const AxisVector now = ex.machine_now;
+  AxisVector middle = now;
+  for (std::size_t i = 0; i < ex.axes.size(); ++i) {
+    if (ex.axes[i].has_intermediate) {
+      middle[i] = ex.axes[i].intermediate;
+      named |= 1u << i;
+    }
+  }
+  if (named == 0) return ex.alarm(AlarmReason::no_intermediate, ex.code_column, std::string(ex.code->name));
+  std::uint32_t wanted = 0;
+  for (std::uint32_t mask = ex.block.words & ex.axis_letters; mask != 0; mask &= mask - 1) {
+    wanted |= 1u << static_cast<unsigned>(ex.axis_of[static_cast<std::size_t>(std::countr_zero(mask))]);
+  }
+  for (std::size_t i = 0; i < ex.axes.size(); ++i) {
+    if ((wanted >> i & 1u) == 0) middle[i] = now[i];
+  }
+  if ((named & wanted) != 0) ex.emit_rapid_to_machine(middle, named & wanted, false);
+  std::uint32_t moved = 0;
+  if (!ex.take_targets(moved)) return false;
+  if (moved == 0) return true;
+  ex.fill_motion(ex.emit<Rapid>(), moved);
+  return true;
+}
+
+// G27: rapid to the point, then every axis named must stand at its reference point.
+bool reference_check(Executor& ex) {
+  std::uint32_t moved = 0;
+  if (!ex.take_targets(moved)) return false;
+  if (moved != 0) ex.fill_motion(ex.emit<Rapid>(), moved);
+  for (std::size_t i = 0; i < ex.axes.size(); ++i) {
+    const bool checked = moved == 0 || (moved >> i & 1u) != 0;
+    if (checked && std::fabs(ex.machine_now[i] - reference_point(ex, i, 1)) > 0.0005) {
+      return ex.alarm(AlarmReason::reference_check, ex.code_column, std::string(1, ex.axes[i].name));
+    }
+  }
+  return true;
+}
+
+}  // namespace headstock::interp::handlers

@@ -1,0 +1,62 @@
+// Characters to words: one block of a line, without allocation. Knows number syntax and comments, not what
+// words mean.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "program/block.hpp"
+
+namespace headstock::program {
+
+/// What is wrong with the text of a block. The dialect has a number for each.
+enum class LexError : std::uint8_t {
+  none,
+  no_address,         ///< a number without a letter before it
+  no_data,            ///< a letter without a number behind it
+  illegal_minus,      ///< a sign inside a number, or two
+  illegal_point,      ///< two points
+  too_many_digits,    ///< more digits than the control reads
+  illegal_character,  ///< a character that no program may have outside a comment
+  too_many_codes,     ///< more G or M codes than a block can hold
+  sequence_format,    ///< N or O with a sign, a point or too many digits
+  expression          ///< the macro expression behind an address is wrong
+};
+
+/// Reads a macro expression behind an address: `#100`, `[#1+2]`, `-#5`. Absent in a dialect without macros.
+class ExpressionReader {
+ public:
+  virtual ~ExpressionReader() = default;
+  /// @param at first character of the expression; left behind its last one.
+  /// @param is_null the expression is a variable without a value: the word counts as not written.
+  virtual LexError read(const char*& at, const char* end, double& value, bool& is_null) = 0;
+};
+
+struct LexRules {
+  bool semicolon_is_comment = false;  ///< `;` starts a comment (field files) instead of ending the block
+  std::uint8_t most_digits = 9;       ///< in one word, leading zeros counted; at most 17
+  ExpressionReader* expressions = nullptr;
+};
+
+enum class LexStatus : std::uint8_t {
+  block,       ///< a block (perhaps an empty one)
+  statement,   ///< a macro statement: starts with `#`, or two letters stand together (IF, WHILE, GOTO, DPRNT
+               ///< …)
+  record_end,  ///< `%`
+  error
+};
+
+struct LexResult {
+  LexStatus status = LexStatus::block;
+  LexError error = LexError::none;
+  std::uint32_t column = 0;  ///< of the error or the statement, 1-based
+  const char* rest =
+      nullptr;  ///< where the next block of this line begins; the line's end when there is none
+  std::string_view statement;  ///< text of the macro statement
+};
+
+/// Reads one block.
+/// @param at where to begin inside `line`; block numbers and columns refer to the line.
+LexResult lex_block(std::string_view line, const char* at, const LexRules& rules, Block& out);
+
+}  // namespace headstock::program

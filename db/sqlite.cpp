@@ -1,0 +1,206 @@
+// The only file that knows SQLite.
+#include <sqlite3.h>
+
+#include <cerrno>
+#include <unordered_map>
+
+#include "db/database.hpp"
+
+namespace headstock::db {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// How long a writer waits for a lock. Only another process could hold one: this one has a single connection.
+constexpr int kBusyTimeoutMs = 2'000;
+
+Problem problem_of(int code, int system_error) {
+  switch (code & 0xff) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return Problem::locked;
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return Problem::corrupt;
+    case SQLITE_FULL:
+      return Problem::disk_full;
+    case SQLITE_IOERR:
+      return system_error == ENOSPC || system_error == EDQUOT || system_error == EFBIG ? Problem::disk_full
+                                                                                       : Problem::unreadable;
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+    case SQLITE_READONLY:
+      return Problem::unreadable;
+    case SQLITE_CONSTRAINT:
+      return Problem::constraint;
+    default:
+      return Problem::internal;
+  }
+}
+
+std::string advice(Problem problem, const std::string& file, const std::string& detail) {
+  switch (problem) {
+    case Problem::locked:
+      return file + ": in use by another server. Stop it, or start this one with another data folder.";
+    case Problem::corrupt:
+      return file + ": the database is damaged (" + detail +
+             "). Nothing was changed. Keep a copy of the data folder, then restore a backup of headstock.db "
+             "or "
+             "recover it with `sqlite3 headstock.db .recover`.";
+    case Problem::disk_full:
+      return file +
+             ": no room on the disk (or its quota or file size limit is reached); the change was undone. "
+             "Free "
+             "some space.";
+    case Problem::unreadable:
+      return file + ": cannot be read or written (" + detail +
+             "). Check the permissions of the data folder and the disk.";
+    default:
+      return file + ": " + detail;
+  }
+}
+
+class SqliteRow final : public Row {
+ public:
+  explicit SqliteRow(sqlite3_stmt* statement) : statement_(statement) {}
+  bool is_null(int column) const override { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+  std::int64_t integer(int column) const override { return sqlite3_column_int64(statement_, column); }
+  double real(int column) const override { return sqlite3_column_double(statement_, column); }
+  std::string text(int column) const override {
+    const auto* bytes = sqlite3_column_text(statement_, column);
+    const auto count = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column));
+    return bytes ? std::string(reinterpret_cast<const char*>(bytes), count) : std::string();
+  }
+
+ private:
+  sqlite3_stmt* statement_;
+};
+
+class Sqlite final : public Database {
+ public:
+  explicit Sqlite(const fs::path& file) : file_(file.string()) {
+    const int result =
+        sqlite3_open_v2(file_.c_str(), &handle_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
+    if (result != SQLITE_OK) {
+      const std::string detail = handle_ ? sqlite3_errmsg(handle_) : sqlite3_errstr(result);
+      sqlite3_close(handle_);
+      throw Error(Problem::unreadable, advice(Problem::unreadable, file_, detail));
+    }
+    try {
+      sqlite3_extended_result_codes(handle_, 1);
+      sqlite3_busy_timeout(handle_, kBusyTimeoutMs);
+      // One server a database: the lock is taken with the first access and kept until the process ends,
+      // however it ends.
+      script("PRAGMA locking_mode = EXCLUSIVE");
+      demand_sound();
+      script(
+          "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;"
+          "BEGIN IMMEDIATE; COMMIT");
+    } catch (...) {
+      sqlite3_close(handle_);
+      throw;
+    }
+  }
+
+  ~Sqlite() override {
+    for (auto& [sql, statement] : idle_) sqlite3_finalize(statement);
+    sqlite3_close(handle_);
+  }
+  Sqlite(const Sqlite&) = delete;
+  Sqlite& operator=(const Sqlite&) = delete;
+
+  void script(const std::string& sql) override {
+    if (sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail();
+  }
+
+ protected:
+  std::int64_t run(std::string_view sql, const Values& values, const RowHandler& row) override {
+    if (depth() > 0 && sqlite3_get_autocommit(handle_) != 0)
+      throw Error(Problem::disk_full, file_ + ": the transaction was undone by an earlier error");
+    Borrowed borrowed(*this, sql);
+    sqlite3_stmt* statement = borrowed.statement;
+    for (std::size_t i = 0; i < values.size(); ++i) bind(statement, static_cast<int>(i) + 1, values[i]);
+    const SqliteRow view(statement);
+    for (;;) {
+      const int result = sqlite3_step(statement);
+      if (result == SQLITE_DONE) break;
+      if (result != SQLITE_ROW) fail();
+      if (row) row(view);
+    }
+    return sqlite3_changes64(handle_);
+  }
+
+ private:
+  /// A prepared statement taken from the idle ones and given back; the same text may be in use twice.
+  struct Borrowed {
+    Borrowed(Sqlite& owner, std::string_view text) : home(owner) {
+      const auto found = home.idle_.find(std::string(text));
+      if (found != home.idle_.end()) {
+        sql = found->first;
+        statement = found->second;
+        home.idle_.erase(found);
+        return;
+      }
+      sql = text;
+      if (sqlite3_prepare_v3(home.handle_, sql.data(), static_cast<int>(sql.size()),
+                             SQLITE_PREPARE_PERSISTENT, &statement, nullptr) != SQLITE_OK)
+        home.fail();
+    }
+    ~Borrowed() {
+      sqlite3_reset(statement);
+      sqlite3_clear_bindings(statement);
+      if (home.idle_.size() < 256 && home.idle_.emplace(sql, statement).second) return;
+      sqlite3_finalize(statement);
+    }
+    Borrowed(const Borrowed&) = delete;
+    Borrowed& operator=(const Borrowed&) = delete;
+    Sqlite& home;
+    std::string sql;
+    sqlite3_stmt* statement = nullptr;
+  };
+
+  void bind(sqlite3_stmt* statement, int index, const Value& value) {
+    struct Visitor {
+      sqlite3_stmt* statement;
+      int index;
+      int operator()(std::nullptr_t) const { return sqlite3_bind_null(statement, index); }
+      int operator()(std::int64_t number) const { return sqlite3_bind_int64(statement, index, number); }
+      int operator()(double number) const { return sqlite3_bind_double(statement, index, number); }
+      int operator()(const std::string& text) const {
+        return sqlite3_bind_text64(statement, index, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
+      }
+    };
+    if (std::visit(Visitor{statement, index}, value.storage()) != SQLITE_OK) fail();
+  }
+
+  void demand_sound() {
+    std::string first;
+    try {
+      each("PRAGMA quick_check(1)", {}, [&](const Row& row) {
+        if (first.empty()) first = row.text(0);
+      });
+    } catch (const Error& error) {
+      if (error.problem() == Problem::internal)
+        throw Error(Problem::corrupt, advice(Problem::corrupt, file_, error.what()));
+      throw;
+    }
+    if (first != "ok") throw Error(Problem::corrupt, advice(Problem::corrupt, file_, first));
+  }
+
+  [[noreturn]] void fail() {
+    const Problem problem = problem_of(sqlite3_extended_errcode(handle_), sqlite3_system_errno(handle_));
+    throw Error(problem, advice(problem, file_, sqlite3_errmsg(handle_)));
+  }
+
+  std::string file_;
+  sqlite3* handle_ = nullptr;
+  std::unordered_map<std::string, sqlite3_stmt*> idle_;
+};
+
+}  // namespace
+
+std::unique_ptr<Database> open_sqlite(const fs::path& file) {
+  return std::make_unique<Sqlite>(file);
+}
+
+}  // namespace headstock::db

@@ -1,0 +1,54 @@
+#include "db/store.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <future>
+
+#include "db/migrations.hpp"
+
+namespace headstock::db {
+namespace {
+
+std::unique_ptr<Database> open_in(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw Error(Problem::unreadable,
+                folder.string() + ": cannot make the data folder (" + error.message() + ")");
+  auto database = open_sqlite(folder / "headstock.db");
+  migrate(*database);
+  return database;
+}
+
+}  // namespace
+
+Store::Store(const std::filesystem::path& data_folder) : database_(open_in(data_folder)) {}
+
+Store::~Store() {
+  thread_.join();
+}
+
+void Store::post(const char* what, std::function<void(Database&)> function) {
+  thread_.post([this, what, function = std::move(function)] {
+    try {
+      function(*database_);
+    } catch (const std::exception& error) {
+      spdlog::error("store: {}: {}", what, error.what());
+    }
+  });
+}
+
+void Store::now(const std::function<void(Database&)>& function) {
+  std::promise<void> done;
+  thread_.post([&] {
+    try {
+      function(*database_);
+      done.set_value();
+    } catch (...) {
+      done.set_exception(std::current_exception());
+    }
+  });
+  done.get_future().get();
+}
+
+}  // namespace headstock::db

@@ -1,0 +1,23 @@
+#include "server/access/audit.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "db/time.hpp"
+
+namespace headstock::access {
+
+void record(db::Database& db, const Actor& actor, std::string_view action, const std::string& subject,
+            std::initializer_list<std::pair<std::string_view, std::string>> detail) {
+  nlohmann::json json = nlohmann::json::object();
+  for (const auto& [key, value] : detail) json[std::string(key)] = value;
+  db::AuditRow row;
+  row.at_ms = db::now_ms();
+  row.user = actor.user;
+  row.address = actor.address;
+  row.action = action;
+  row.subject = subject;
+  row.detail = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  db::append_audit(db, std::move(row));
+}
+
+}  // namespace headstock::access

@@ -1,0 +1,201 @@
+// A check in earnest: the machine's own interpreter and kernel, in virtual time. Where a program is too long
+// to be timed, its language and its end points are still checked to the last block.
+#include <algorithm>
+#include <cctype>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "db/refusal.hpp"
+#include "dialects/catalogue.hpp"
+#include "dialects/dialect.hpp"
+#include "interpreter/interpreter.hpp"
+#include "machine/machine.hpp"
+#include "operation/backplot.hpp"
+#include "operation/timing.hpp"
+#include "program/source.hpp"
+#include "server/library/checks.hpp"
+
+namespace headstock::library {
+namespace {
+
+constexpr std::size_t kMostFindings = 100;
+
+/// The folder's other programs, as the machine would find them in its memory.
+class Neighbours final : public program::Programs {
+ public:
+  explicit Neighbours(const std::map<std::string, std::string>& files) : files_(files) {}
+
+  std::unique_ptr<program::Source> open_number(std::uint32_t number) override {
+    for (const auto& [name, file] : files_)
+      if (number_of(name) == number) return program::source_from_file(file);
+    return nullptr;
+  }
+  std::unique_ptr<program::Source> open_name(std::string_view name) override {
+    const auto found = files_.find(std::string(name));
+    return found == files_.end() ? nullptr : program::source_from_file(found->second);
+  }
+
+ private:
+  /// "O1234", "o1234.nc", "1234.txt" → 1234; 0 when it is not a number.
+  static std::uint32_t number_of(const std::string& name) {
+    std::size_t at = !name.empty() && (name[0] == 'O' || name[0] == 'o') ? 1 : 0;
+    std::uint32_t number = 0;
+    std::size_t digits = 0;
+    for (; at < name.size() && std::isdigit(static_cast<unsigned char>(name[at])) != 0 && digits < 9;
+         ++at, ++digits)
+      number = number * 10 + static_cast<std::uint32_t>(name[at] - '0');
+    return digits > 0 && (at == name.size() || name[at] == '.') ? number : 0;
+  }
+
+  std::map<std::string, std::string> files_;
+};
+
+struct Setup {
+  machine::Machine machine;
+  interp::MachineData data;
+  std::shared_ptr<Neighbours> neighbours;
+  operation::OpenProgram open;
+};
+
+/// @return what is wrong with the machine's own description, empty when it can be used.
+std::string set_up(const CheckJob& job, Setup& setup) {
+  if (job.machine.toml.empty()) {
+    auto machine = machine::default_machine(job.machine.profile);
+    if (!machine) return "profile " + job.machine.profile;
+    setup.machine = std::move(*machine);
+  } else {
+    auto parsed = machine::parse_machine(job.machine.toml, job.machine.name, job.machine.profile);
+    if (const auto* error = std::get_if<machine::MachineError>(&parsed)) return error->message;
+    setup.machine = std::get<machine::Machine>(std::move(parsed));
+  }
+  std::vector<char> axes;
+  for (const machine::Axis& axis : setup.machine.axes) axes.push_back(axis.name);
+  if (const std::string mistake = interp::load_offsets(
+          job.machine.offsets_json.empty() ? "{}" : job.machine.offsets_json, axes, setup.data);
+      !mistake.empty())
+    return "offsets: " + mistake;
+  for (const db::OffsetRow& setting : job.settings) {
+    if (setting.what.starts_with("parameter/"))
+      setup.data.parameters[setting.what.substr(10)] = setting.value;
+    if (setting.what.starts_with("variable/"))
+      setup.data.common_variables[static_cast<std::uint32_t>(std::stoul(setting.what.substr(9)))] =
+          setting.value;
+  }
+  setup.neighbours = std::make_shared<Neighbours>(job.subprograms);
+  setup.open = [file = job.file] { return program::source_from_file(file); };
+  return {};
+}
+
+void add(CheckResult& result, std::int64_t line, std::int64_t column, std::string code, std::string en,
+         std::string zh) {
+  if (result.findings.size() < kMostFindings)
+    result.findings.push_back({line, column, std::move(code), std::move(en), std::move(zh)});
+}
+
+/// Reads the whole program without moving anything: alarms of the language, and end points outside the
+/// stroke.
+void dry_run(const CheckJob& job, Setup& setup, CheckResult& result) {
+  const dialects::Dialect* dialect = dialects::find(setup.machine.profile);
+  if (dialect == nullptr) return;
+  interp::Interpreter interpreter(*dialect, setup.machine, setup.data, setup.neighbours.get());
+  machine::AxisVector start{};
+  for (std::size_t i = 0; i < setup.machine.axes.size(); ++i) start[i] = setup.machine.axes[i].reference_mm;
+  interpreter.start(setup.open(), start);
+  interp::Operation operation;
+  std::int64_t operations = 0;
+  while (interpreter.next(operation) == interp::Pull::operation) {
+    if (job.cancel != nullptr && (operations & 1023) == 0 && *job.cancel) return;
+    if (++operations > job.max_blocks) {
+      add(result, 0, 0, "too_long", "The program is too long to be checked.", "程序过长，无法检查。");
+      return;
+    }
+    if (const auto* alarm = std::get_if<interp::Alarm>(&operation)) {
+      const auto text = dialects::alarm_text(setup.machine.profile, alarm->code);
+      add(result, alarm->at.line, alarm->at.column, alarm->code, std::string(text.en), std::string(text.zh));
+      return;
+    }
+    const auto* motion = std::visit(
+        [](const auto& one) -> const interp::Motion* {
+          if constexpr (std::is_base_of_v<interp::Motion, std::decay_t<decltype(one)>>) return &one;
+          return nullptr;
+        },
+        operation);
+    for (std::size_t i = 0; motion != nullptr && i < setup.machine.axes.size(); ++i) {
+      const machine::Axis& axis = setup.machine.axes[i];
+      const double end = motion->end_machine[i];
+      if (end >= axis.min_mm && end <= axis.max_mm) continue;
+      add(result, motion->at.line, 0, "stroke_limit",
+          std::string("End point outside the stroke of axis ") + axis.name,
+          std::string("终点超出行程，轴 ") + axis.name);
+      return;
+    }
+  }
+}
+
+}  // namespace
+
+std::string checker_version() {
+  return "1";
+}
+
+CheckResult run_check(const CheckJob& job) {
+  CheckResult result;
+  try {
+    Setup setup;
+    if (const std::string mistake = set_up(job, setup); !mistake.empty()) {
+      add(result, 0, 0, "bad_machine_file", "The machine's description cannot be used: " + mistake,
+          "机床配置不可用：" + mistake);
+      return result;
+    }
+    operation::EstimateBudget budget;
+    budget.max_blocks = static_cast<std::uint64_t>(job.max_blocks);
+    budget.max_machine_s = 1e7;
+    budget.max_wall = std::chrono::milliseconds(job.max_wall_ms);
+    budget.cancel = job.cancel;
+    const auto estimate =
+        operation::estimate(setup.machine, setup.data, setup.open, setup.neighbours, {}, budget);
+    result.time_s = estimate.time_s;
+    result.cutting_s = estimate.cutting_s;
+    result.length_mm = estimate.length_mm;
+    result.blocks = static_cast<std::int64_t>(estimate.blocks);
+    result.timed = estimate.complete;
+    for (std::size_t i = 0; i < setup.machine.axes.size(); ++i)
+      result.bounds.push_back(
+          {std::string(1, setup.machine.axes[i].name), estimate.min_mm[i], estimate.max_mm[i]});
+    result.tools.assign(estimate.tools.begin(), estimate.tools.end());
+    for (const auto& alarm : estimate.alarms)
+      add(result, alarm.at.line, alarm.at.column, alarm.code, alarm.text_en, alarm.text_zh);
+    if (!estimate.complete && result.findings.empty()) {
+      if (estimate.incomplete_reason == "budget")
+        dry_run(job, setup, result);
+      else
+        add(result, 0, 0, "incomplete", "The check did not reach the end: " + estimate.incomplete_reason,
+            "检查未能到达程序结尾：" + estimate.incomplete_reason);
+    }
+    result.ok = result.findings.empty();
+  } catch (const std::exception& error) {
+    add(result, 0, 0, "internal", std::string("The check failed: ") + error.what(),
+        std::string("检查失败：") + error.what());
+  }
+  return result;
+}
+
+Backplot run_backplot(const CheckJob& job, std::int64_t max_points) {
+  Setup setup;
+  if (const std::string mistake = set_up(job, setup); !mistake.empty())
+    throw db::Refusal("bad_machine_file", mistake);
+  operation::BackplotLimits limits;
+  limits.max_points = static_cast<std::size_t>(std::clamp<std::int64_t>(max_points, 2, 2'000'000));
+  limits.cancel = job.cancel;
+  auto plot = operation::backplot(setup.machine, setup.data, setup.open, setup.neighbours, {}, limits);
+  Backplot result;
+  result.truncated = plot.truncated;
+  for (const char axis : plot.axes) result.axes.emplace_back(1, axis);
+  result.start.assign(plot.start.begin(), plot.start.end());
+  for (auto& move : plot.moves)
+    result.moves.push_back({static_cast<char>(move.kind), move.line,
+                            std::vector<double>(move.points.begin(), move.points.end())});
+  return result;
+}
+
+}  // namespace headstock::library

@@ -1,0 +1,364 @@
+#include "server/library/distribution.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <map>
+#include <set>
+
+#include "db/machine_store.hpp"
+#include "db/refusal.hpp"
+#include "db/store.hpp"
+#include "db/time.hpp"
+#include "server/access/audit.hpp"
+#include "server/library/checks.hpp"
+#include "server/library/programs.hpp"
+
+namespace headstock::library {
+
+namespace asio = boost::asio;
+using access::Action;
+using access::Actor;
+using access::demand;
+
+namespace {
+
+class StoredText final : public server::BlobReader {
+ public:
+  explicit StoredText(std::shared_ptr<db::Blobs::Reader> reader) : reader_(std::move(reader)) {}
+  std::uint64_t size() const override { return reader_->size(); }
+  std::size_t read(std::uint64_t offset, char* into, std::size_t at_most) override {
+    return reader_->read(offset, into, at_most);
+  }
+
+ private:
+  std::shared_ptr<db::Blobs::Reader> reader_;
+};
+
+bool is_over(const std::string& state) {
+  return state == "done" || state == "failed" || state == "cancelled";
+}
+
+std::string subject(std::int64_t transfer) {
+  return std::string("transfer:").append(std::to_string(transfer));
+}
+
+db::TransferRow new_transfer(const Actor& actor, const db::ProgramRow& program,
+                             const db::RevisionRow& revision, std::int64_t machine, const char* kind,
+                             std::int64_t now_ms) {
+  db::TransferRow row;
+  row.machine = machine;
+  row.program = program.id;
+  row.revision = revision.number;
+  row.name = program.name;
+  row.sha256 = revision.blob.sha256;
+  row.kind = kind;
+  row.state = "queued";
+  row.total = revision.blob.bytes;
+  row.by = actor.user;
+  row.created_ms = now_ms;
+  return row;
+}
+
+void end(db::TransferRow& row, const char* state, std::string reason) {
+  row.state = state;
+  row.reason = std::move(reason);
+  row.ended_ms = db::now_ms();
+}
+
+}  // namespace
+
+std::shared_ptr<server::BlobReader> blob_reader(const db::Blobs& blobs, const std::string& sha256) {
+  return std::make_shared<StoredText>(blobs.open(sha256));
+}
+
+struct Distributor::Impl : std::enable_shared_from_this<Distributor::Impl> {
+  Impl(asio::any_io_executor the_network, db::Store& the_store, const db::Blobs& the_blobs,
+       Checks& the_checks, Carrier the_carrier, Changed on_change)
+      : network(std::move(the_network)),
+        store(the_store),
+        blobs(the_blobs),
+        checks(the_checks),
+        carrier(std::move(the_carrier)),
+        changed(std::move(on_change)) {}
+
+  /// The newest state: kept here while the transfer is open, written when it changes, not with every byte.
+  void remember(const db::TransferRow& row) {
+    const auto before = open.find(row.id);
+    const bool write = before == open.end() || before->second.state != row.state ||
+                       before->second.reason != row.reason || is_over(row.state);
+    if (is_over(row.state))
+      open.erase(row.id);
+    else
+      open[row.id] = row;
+    if (write) store.post("transfer", [row](db::Database& db) { db::update_transfer(db, row); });
+    if (changed) changed(row);
+  }
+
+  /// @return the row while it is still open: a cancelled one must not come back to life.
+  db::TransferRow* find_open(std::int64_t id) {
+    const auto found = open.find(id);
+    return found == open.end() ? nullptr : &found->second;
+  }
+
+  void fail(std::int64_t id, const std::string& reason) {
+    if (const db::TransferRow* row = find_open(id)) {
+      db::TransferRow copy = *row;
+      end(copy, "failed", reason);
+      remember(copy);
+    }
+  }
+
+  void move_to(std::int64_t id, const char* state) {
+    if (const db::TransferRow* row = find_open(id)) {
+      db::TransferRow copy = *row;
+      copy.state = state;
+      if (!copy.started_ms) copy.started_ms = db::now_ms();
+      remember(copy);
+    }
+  }
+
+  void take(const server::TransferState& state) {
+    const db::TransferRow* row = find_open(static_cast<std::int64_t>(state.id));
+    if (row == nullptr) return;
+    db::TransferRow copy = *row;
+    copy.bytes = static_cast<std::int64_t>(state.bytes);
+    copy.reason = state.reason;
+    copy.state = state.state;
+    if (!copy.started_ms) copy.started_ms = db::now_ms();
+    if (is_over(copy.state)) copy.ended_ms = db::now_ms();
+    remember(copy);
+  }
+
+  /// Everything that can be said before bytes flow. @return the reason against it, or empty.
+  asio::awaitable<std::string> reason_against(db::TransferRow row) {
+    if (!carrier.is_connected(row.machine)) co_return "not_connected";
+    const CheckResult check = co_await checks.check(Actor{}, row.program, row.revision, row.machine);
+    co_return check.ok ? "" : "check_failed";
+  }
+
+  asio::awaitable<void> put(db::TransferRow row) {
+    std::string reason;
+    try {
+      move_to(row.id, "checking");
+      reason = co_await reason_against(row);
+      if (reason.empty() && find_open(row.id) != nullptr) {
+        move_to(row.id, "sending");
+        take(co_await carrier.put(static_cast<std::uint64_t>(row.id), row.machine, row.name, row.sha256,
+                                  blob_reader(blobs, row.sha256)));
+        co_return;
+      }
+    } catch (const db::Refusal& refusal) {
+      reason = refusal.code();
+    } catch (const std::exception& error) {
+      spdlog::error("transfer {}: {}", row.id, error.what());
+      reason = "internal";
+    }
+    fail(row.id, reason);
+  }
+
+  asio::awaitable<server::MachineAnswer> offer(db::TransferRow row) {
+    co_return co_await carrier.drip(static_cast<std::uint64_t>(row.id), row.machine, row.name, row.sha256,
+                                    blob_reader(blobs, row.sha256));
+  }
+
+  asio::awaitable<void> offer_again(db::TransferRow row) {
+    std::string reason;
+    try {
+      const server::MachineAnswer answer = co_await offer(row);
+      if (answer.accepted || answer.reason == "not_connected")
+        co_return;  // progress comes by itself; or it goes on waiting
+      reason = answer.reason;
+    } catch (const std::exception& error) {
+      spdlog::error("drip {}: {}", row.id, error.what());
+      reason = "internal";
+    }
+    fail(row.id, reason);
+  }
+
+  template <class Work>
+  void spawn(Work work) {
+    asio::co_spawn(
+        network, [self = shared_from_this(), work]() -> asio::awaitable<void> { co_await work(*self); },
+        asio::detached);
+  }
+
+  asio::any_io_executor network;
+  db::Store& store;
+  const db::Blobs& blobs;
+  Checks& checks;
+  Carrier carrier;
+  Changed changed;
+  std::map<std::int64_t, db::TransferRow> open;
+  std::set<std::int64_t> opening;  // machines whose drip-feed is being prepared
+};
+
+Distributor::Distributor(asio::any_io_executor network, db::Store& store, const db::Blobs& blobs,
+                         Checks& checks, Carrier carrier, Changed changed)
+    : impl_(std::make_shared<Impl>(std::move(network), store, blobs, checks, std::move(carrier),
+                                   std::move(changed))) {}
+
+Distributor::~Distributor() = default;
+
+asio::awaitable<void> Distributor::resume() {
+  const auto rows = co_await impl_->store.run([](db::Database& db) {
+    db::Transaction transaction(db);
+    db::TransferFilter filter;
+    filter.open_only = true;
+    auto open_ones = db::transfers(db, filter, {0, 1000}).items;
+    for (db::TransferRow& row : open_ones) {
+      if (row.kind == "drip")
+        row.state = "waiting";
+      else
+        end(row, "failed", "server_restarted");
+      db::update_transfer(db, row);
+    }
+    transaction.commit();
+    return open_ones;
+  });
+  for (const db::TransferRow& row : rows)
+    if (!is_over(row.state)) impl_->open[row.id] = row;
+}
+
+asio::awaitable<db::DistributionRow> Distributor::distribute(Actor actor, std::int64_t program,
+                                                             std::int64_t revision,
+                                                             std::vector<std::int64_t> machines) {
+  demand(actor, Action::send_program);
+  if (machines.empty()) throw db::Refusal("no_machines");
+  std::ranges::sort(machines);
+  machines.erase(std::unique(machines.begin(), machines.end()), machines.end());
+  const auto impl = impl_;
+  db::DistributionRow plan = co_await impl->store.run([=](db::Database& db) {
+    db::Transaction transaction(db);
+    const db::ProgramRow what = require_program(db, program);
+    const db::RevisionRow which = require_revision(db, program, revision);
+    const std::int64_t now = db::now_ms();
+    db::DistributionRow row;
+    row.program = program;
+    row.revision = revision;
+    row.at_ms = now;
+    row.by = actor.user;
+    for (const std::int64_t machine : machines)
+      if (!db.integer("SELECT 1 FROM machines WHERE id = ?", {machine}))
+        throw db::Refusal("not_found", std::string("machine:").append(std::to_string(machine)));
+    row.id = db::insert_distribution(db, row);
+    for (const std::int64_t machine : machines) {
+      db::TransferRow transfer = new_transfer(actor, what, which, machine, "put", now);
+      transfer.distribution = row.id;
+      if (!which.released)
+        end(transfer, "failed", "not_released");
+      else if (!db::machine(db, machine))
+        end(transfer, "failed", "machine_removed");
+      transfer.id = db::insert_transfer(db, transfer);
+      row.transfers.push_back(transfer);
+    }
+    record(db, actor, "program.send", std::string("program:").append(std::to_string(program)),
+           {{"revision", std::to_string(revision)},
+            {"machines", std::to_string(machines.size())},
+            {"distribution", std::to_string(row.id)}});
+    transaction.commit();
+    return row;
+  });
+  for (db::TransferRow& row : plan.transfers) {
+    if (!is_over(row.state)) {
+      impl->open[row.id] = row;
+      if (!impl->carrier.is_connected(row.machine)) {
+        impl->fail(row.id, "not_connected");
+        end(row, "failed", "not_connected");
+        continue;
+      }
+      impl->spawn([row](Impl& self) { return self.put(row); });
+    }
+    if (impl->changed) impl->changed(row);
+  }
+  co_return plan;
+}
+
+asio::awaitable<db::TransferRow> Distributor::drip(Actor actor, std::int64_t machine, std::int64_t program,
+                                                   std::int64_t revision) {
+  demand(actor, Action::open_drip);
+  const auto impl = impl_;
+  db::TransferRow row = co_await impl->store.run([=](db::Database& db) {
+    if (!db::machine(db, machine))
+      throw db::Refusal("not_found", std::string("machine:").append(std::to_string(machine)));
+    const db::RevisionRow which = require_revision(db, program, revision);
+    if (!which.released) throw db::Refusal("not_released");
+    return new_transfer(actor, require_program(db, program), which, machine, "drip", db::now_ms());
+  });
+  const bool open_already = std::ranges::any_of(impl->open, [&](const auto& entry) {
+    return entry.second.kind == "drip" && entry.second.machine == machine;
+  });
+  if (open_already || !impl->opening.insert(machine).second) throw db::Refusal("drip_open");
+  struct Opened {
+    Impl& impl;
+    std::int64_t machine;
+    ~Opened() { impl.opening.erase(machine); }
+  } opened{*impl, machine};
+  if (const std::string reason = co_await impl->reason_against(row); !reason.empty())
+    throw db::Refusal(reason);
+  row.started_ms = db::now_ms();
+  row.state = "sending";
+  row.id = co_await impl->store.run([=](db::Database& db) {
+    db::Transaction transaction(db);
+    const std::int64_t id = db::insert_transfer(db, row);
+    record(db, actor, "drip.open", subject(id),
+           {{"machine", std::to_string(machine)},
+            {"program", std::to_string(program)},
+            {"revision", std::to_string(revision)}});
+    transaction.commit();
+    return id;
+  });
+  impl->open[row.id] = row;
+  const server::MachineAnswer answer = co_await impl->offer(row);
+  if (!answer.accepted) {
+    impl->fail(row.id, answer.reason);
+    throw db::Refusal("machine_refused", answer.reason);
+  }
+  if (const db::TransferRow* now = impl->find_open(row.id)) row = *now;
+  if (impl->changed) impl->changed(row);
+  co_return row;
+}
+
+asio::awaitable<db::TransferRow> Distributor::cancel(Actor actor, std::int64_t transfer) {
+  demand(actor, Action::cancel_transfer);
+  const auto impl = impl_;
+  const auto row = co_await find(transfer);
+  if (!row) throw db::Refusal("not_found", subject(transfer));
+  if (is_over(row->state)) throw db::Refusal("transfer_over", row->state);
+  co_await impl->store.run(
+      [=](db::Database& db) { record(db, actor, "transfer.cancel", subject(transfer)); });
+  db::TransferRow copy = *row;
+  if (const db::TransferRow* now = impl->find_open(transfer)) copy = *now;
+  end(copy, "cancelled", "cancelled_by_user");
+  impl->remember(copy);
+  impl->carrier.cancel(static_cast<std::uint64_t>(transfer), "cancelled_by_user");
+  co_return copy;
+}
+
+asio::awaitable<std::optional<db::TransferRow>> Distributor::find(std::int64_t transfer) {
+  const auto impl = impl_;
+  if (const db::TransferRow* row = impl->find_open(transfer)) co_return *row;
+  co_return co_await impl->store.run([transfer](db::Database& db) { return db::transfer(db, transfer); });
+}
+
+asio::awaitable<db::Listed<db::TransferRow>> Distributor::list(db::TransferFilter filter, db::Page page) {
+  const auto impl = impl_;
+  auto rows = co_await impl->store.run([=](db::Database& db) { return db::transfers(db, filter, page); });
+  for (db::TransferRow& row : rows.items)
+    if (const db::TransferRow* now = impl->find_open(row.id)) row = *now;
+  co_return rows;
+}
+
+void Distributor::transfer_changed(const server::TransferState& state) {
+  impl_->take(state);
+}
+
+void Distributor::machine_connected(std::int64_t machine) {
+  for (const auto& [id, row] : impl_->open)
+    if (row.machine == machine && row.kind == "drip" && row.state == "waiting")
+      impl_->spawn([row = row](Impl& self) { return self.offer_again(row); });
+}
+
+}  // namespace headstock::library
