@@ -30,8 +30,7 @@ class SoftLimit(ShopTest):
         agent.panel("load", path)
         agent.panel("select", name)
         agent.panel("start")
-        live = eventually(lambda: (lambda l: l if l["alarms"] else None)(agent.live()), "alarm on the card")
-        self.assertEqual(live["state"], "alarm")
+        live = eventually(lambda: (lambda l: l if l["alarms"] and l["state"] == "alarm" else None)(agent.live()), "alarm on the card")
         alarm = live["alarms"][0]
         self.assertTrue(alarm["code"] and alarm["text"]["en"] and alarm["text"]["zh"], alarm)
         self.assertTrue(any(ord(c) > 0x2E80 for c in alarm["text"]["zh"]), alarm)
