@@ -4,9 +4,7 @@
 
 #include "client/client.hpp"
 #include "offline/offline.hpp"
-#ifdef HEADSTOCK_OFFLINE_SIMULATE
 #include "offline/simulate.hpp"
-#endif
 
 int main(int argc, char** argv) {
   CLI::App app{"Headstock: machine-shop programs, machines and controllers", "headstock"};
@@ -16,9 +14,7 @@ int main(int argc, char** argv) {
   headstock::offline::add_interpret(app, context.status);
   headstock::offline::add_check(app, context.status);
   headstock::offline::add_profile(app, context.status);
-#ifdef HEADSTOCK_OFFLINE_SIMULATE
   headstock::offline::add_simulate(app, context.status);
-#endif
   headstock::client::add_client(app, context);
   app.footer("Exit status of the client's commands: 0 done, 1 usage or a local file, 2 refused by server or machine,\n"
              "3 server not reachable, 4 not signed in. The offline tools: 0 done, 1 usage or a file, 2 an alarm.");

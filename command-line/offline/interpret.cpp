@@ -50,7 +50,8 @@ void add_interpret(CLI::App& app, int& exit_status) {
     std::string file;
   };
   const auto state = std::make_shared<State>();
-  auto* command = app.add_subcommand("interpret", "Show what a program means: canonical operations as JSON Lines");
+  auto* command =
+      app.add_subcommand("interpret", "Show what a program means: canonical operations as JSON Lines");
   add_options(*command, state->options);
   command->add_option("file", state->file, "Program, - for standard input")->required();
   command->callback([state, &exit_status] { exit_status = interpret(state->options, state->file); });

@@ -15,7 +15,8 @@ using interp::AxisVector;
 void number(std::string& out, double value) {
   const double rounded = std::round(value * 1e9) / 1e9;
   char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, (std::fabs(value) < 1e6 ? rounded : value) + 0.0).ptr;
+  const auto end =
+      std::to_chars(text, text + sizeof text, (std::fabs(value) < 1e6 ? rounded : value) + 0.0).ptr;
   out.append(text, end);
 }
 
@@ -115,7 +116,9 @@ class Record {
     if (m.exact_stop) truth("exact_stop", true);
   }
   void feed(double value_of, interp::FeedUnit unit) {
-    value(unit == interp::FeedUnit::mm_per_revolution ? "fr" : unit == interp::FeedUnit::inverse_time ? "fi" : "f",
+    value(unit == interp::FeedUnit::mm_per_revolution ? "fr"
+          : unit == interp::FeedUnit::inverse_time    ? "fi"
+                                                      : "f",
           value_of);
   }
 

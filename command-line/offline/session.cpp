@@ -35,7 +35,8 @@ bool apply_setting(std::string_view setting, interp::Switches& switches) {
   if (key == "optional_stop") return truth(value, switches.optional_stop);
   if (key == "decimal_point") {
     if (value != "standard" && value != "pocket") return false;
-    switches.decimal_point = value == "pocket" ? interp::DecimalPoint::pocket : interp::DecimalPoint::standard;
+    switches.decimal_point =
+        value == "pocket" ? interp::DecimalPoint::pocket : interp::DecimalPoint::standard;
     return true;
   }
   if (key == "block_skip") {
@@ -67,12 +68,14 @@ class StandardInput final : public program::Source {
 }  // namespace
 
 void add_options(CLI::App& command, Options& options) {
-  command.add_option("--profile", options.profile, "Controller: fanuc-0i-t, fanuc-0i-m, gsk-2000tc, gsk-218t, k2000tc, lathe-200t");
+  command.add_option("--profile", options.profile,
+                     "Controller: fanuc-0i-t, fanuc-0i-m, gsk-2000tc, gsk-218t, k2000tc, lathe-200t");
   command.add_option("--machine", options.machine_file, "Machine file (TOML)");
   command.add_option("--offsets", options.offsets_file, "Work and tool offsets (JSON)");
   command.add_option("--params", options.params_file, "Parameters by the manual's number (JSON)");
-  command.add_option("--set", options.settings,
-                     "gcode_system=A|B|C, lenient=true, decimal_point=standard|pocket, optional_stop=true, block_skip=1,3");
+  command.add_option(
+      "--set", options.settings,
+      "gcode_system=A|B|C, lenient=true, decimal_point=standard|pocket, optional_stop=true, block_skip=1,3");
   command.add_option("--lib", options.libraries, "Folder of sub-programs");
 }
 

@@ -44,7 +44,8 @@ struct Session {
 /// @param error what is wrong with the options or a file, for the person who gave them.
 std::unique_ptr<Session> make_session(const Options& options, std::string& error);
 
-/// Opens FILE, or stdin for `-` (read as a stream: jumps backwards are alarms). @return nullptr when it cannot be read.
+/// Opens FILE, or stdin for `-` (read as a stream: jumps backwards are alarms). @return nullptr when it
+/// cannot be read.
 std::unique_ptr<program::Source> open_program(const std::string& file);
 
 }  // namespace headstock::offline

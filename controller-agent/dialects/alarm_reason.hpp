@@ -8,14 +8,14 @@ namespace headstock::dialects {
 
 enum class AlarmReason : std::uint8_t {
   // ---- text of a block
-  no_address,             ///< a number without an address
-  no_data,                ///< an address without a number
-  minus_sign,             ///< a minus sign where none may be
-  decimal_point,          ///< a decimal point where none may be
+  no_address,     ///< a number without an address
+  no_data,        ///< an address without a number
+  minus_sign,     ///< a minus sign where none may be
+  decimal_point,  ///< a decimal point where none may be
   too_many_digits,
-  value_range,            ///< a value outside the address's range
-  illegal_address,        ///< an address or character that this control or machine does not have
-  duplicate_word,         ///< an address twice in a block
+  value_range,               ///< a value outside the address's range
+  illegal_address,           ///< an address or character that this control or machine does not have
+  duplicate_word,            ///< an address twice in a block
   absolute_and_incremental,  ///< X with U, Z with W
   block_too_long,
   slash_position,         ///< block skip not at the head of the block
@@ -25,45 +25,45 @@ enum class AlarmReason : std::uint8_t {
   expression,             ///< a macro expression is wrong
   statement_unavailable,  ///< a macro statement this version does not carry out
   // ---- codes
-  illegal_g,              ///< not in the control's table
-  g_unavailable,          ///< in the table, not carried out by this version
+  illegal_g,      ///< not in the control's table
+  g_unavailable,  ///< in the table, not carried out by this version
   m_unavailable,
   g_same_group,           ///< two codes of one group in a block
   g_one_shot_and_motion,  ///< group 00 with group 01 in a block
   too_many_m,
   illegal_m,
-  t_not_allowed,          ///< T in a block that may not have it
-  stand_alone,            ///< a code that must be alone in its block
+  t_not_allowed,  ///< T in a block that may not have it
+  stand_alone,    ///< a code that must be alone in its block
   // ---- feed, motion
   feed_missing,
-  arc_radius,             ///< start and end radius differ
-  arc_no_center,          ///< neither R nor I J K
+  arc_radius,     ///< start and end radius differ
+  arc_no_center,  ///< neither R nor I J K
   arc_negative_r,
-  arc_r_too_small,        ///< the end cannot be reached with this R
-  arc_r_and_center,       ///< R together with I K
-  arc_plane,              ///< axis outside the plane
+  arc_r_too_small,   ///< the end cannot be reached with this R
+  arc_r_and_center,  ///< R together with I K
+  arc_plane,         ///< axis outside the plane
   thread_lead,
   thread_f_and_i,
-  reference_check,        ///< G27: not at the reference point
-  reference_number,       ///< G30 P
-  no_intermediate,        ///< G29 without G28
-  no_start_point,         ///< return to start point without G50
-  machine_incremental,    ///< G53 with an incremental word
-  length_axis,            ///< G43 without a usable axis
+  reference_check,      ///< G27: not at the reference point
+  reference_number,     ///< G30 P
+  no_intermediate,      ///< G29 without G28
+  no_start_point,       ///< return to start point without G50
+  machine_incremental,  ///< G53 with an incremental word
+  length_axis,          ///< G43 without a usable axis
   // ---- data
   offset_number,
-  work_number,            ///< G54.1 P
-  data_input,             ///< G10 form
-  data_value,             ///< G10 value
-  dwell_words,            ///< P and X together
+  work_number,  ///< G54.1 P
+  data_input,   ///< G10 form
+  data_value,   ///< G10 value
+  dwell_words,  ///< P and X together
   // ---- calls
   call_without_p,
   program_not_found,
   sequence_not_found,
   nesting,
   call_count,
-  endless_loop,           ///< jumps without end and without motion: ours, controllers just hang
-  count_                  // number of reasons
+  endless_loop,  ///< jumps without end and without motion: ours, controllers just hang
+  count_         // number of reasons
 };
 
 inline constexpr std::size_t kAlarmReasons = static_cast<std::size_t>(AlarmReason::count_);

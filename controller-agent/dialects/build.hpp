@@ -21,7 +21,8 @@ struct OwnHandler {
   Handler handler;
 };
 
-/// Fills the three systems. A row that names no known handler is a programming error and ends the program with its text.
+/// Fills the three systems. A row that names no known handler is a programming error and ends the program
+/// with its text.
 void add_g_codes(Dialect& dialect, std::span<const GRow> rows, std::span<const OwnHandler> own = {});
 
 /// Sets the controller's numbers. @param otherwise is used for every reason not listed.

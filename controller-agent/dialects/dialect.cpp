@@ -12,7 +12,8 @@ namespace headstock::dialects {
 namespace {
 
 [[noreturn]] void broken_table(const Dialect& dialect, std::string_view what) {
-  std::fprintf(stderr, "%s/gcodes.tsv: %s\n", std::string(dialect.profile).c_str(), std::string(what).c_str());
+  std::fprintf(stderr, "%s/gcodes.tsv: %s\n", std::string(dialect.profile).c_str(),
+               std::string(what).c_str());
   std::abort();
 }
 
@@ -94,7 +95,9 @@ constexpr std::string_view kProfiles[] = {"fanuc-0i-t", "fanuc-0i-m", "gsk-2000t
 
 }  // namespace
 
-std::span<const std::string_view> dialect_names() { return kProfiles; }
+std::span<const std::string_view> dialect_names() {
+  return kProfiles;
+}
 
 const Dialect* find(std::string_view profile) {
   static const std::array<Dialect, std::size(kProfiles)> dialects = {make_fanuc_0i_t(), make_fanuc_0i_m(),

@@ -31,12 +31,12 @@ enum class Phase : std::uint8_t {
 
 /// One row of gcodes.tsv in one G-code system.
 struct GCode {
-  std::int16_t tenths = 0;          ///< G54.1 → 541
-  std::uint8_t group = 0;           ///< 0: one-shot; index of ModalSnapshot::g
+  std::int16_t tenths = 0;  ///< G54.1 → 541
+  std::uint8_t group = 0;   ///< 0: one-shot; index of ModalSnapshot::g
   Phase phase = Phase::unavailable;
   Handler handler = nullptr;
-  std::string_view name;            ///< "G54.1", static storage: also what cycles are named by
-  bool power_on = false;            ///< in force after power-on
+  std::string_view name;  ///< "G54.1", static storage: also what cycles are named by
+  bool power_on = false;  ///< in force after power-on
 };
 
 /// The G codes of one G-code system, found by number without searching.
@@ -58,13 +58,18 @@ class GTable {
 
 /// What the interpreter itself does on an M code; all others go to the machine.
 enum class MAction : std::uint8_t {
-  machine,          ///< to the machine, together with the block's motion
-  machine_after,    ///< to the machine, after the motion
-  spindle_cw, spindle_ccw, spindle_stop,
-  program_stop, optional_stop,
-  end_m02, end_m30,
-  call, return_,
-  restart,          ///< M96 of 200T: from the head again
+  machine,        ///< to the machine, together with the block's motion
+  machine_after,  ///< to the machine, after the motion
+  spindle_cw,
+  spindle_ccw,
+  spindle_stop,
+  program_stop,
+  optional_stop,
+  end_m02,
+  end_m30,
+  call,
+  return_,
+  restart,  ///< M96 of 200T: from the head again
   unavailable
 };
 struct MRule {
@@ -83,59 +88,59 @@ enum class EndOfText : std::uint8_t { alarm, end };
 
 /// A bit parameter that replaces a power-on code when it is 1.
 struct PowerOnSwitch {
-  std::string_view parameter;             ///< "3402#4"
-  std::array<std::int16_t, 3> tenths{};   ///< for the G-code systems A, B, C; -1: no effect
+  std::string_view parameter;            ///< "3402#4"
+  std::array<std::int16_t, 3> tenths{};  ///< for the G-code systems A, B, C; -1: no effect
 };
 
 struct NumberRules {
   Decimal decimal = Decimal::standard;
-  std::string_view decimal_parameter = {};   ///< bit that chooses: empty when there is none
+  std::string_view decimal_parameter = {};  ///< bit that chooses: empty when there is none
   Decimal decimal_when_set = Decimal::pocket;
   Rounding rounding = Rounding::half_up;
-  std::uint8_t most_digits = 9;           ///< typed in one word
+  std::uint8_t most_digits = 9;                ///< typed in one word
   std::int64_t most_increments = 999'999'999;  ///< after conversion to least increments
-  double feed_per_minute_unit_mm = 1;     ///< an F without a point under standard decimals
+  double feed_per_minute_unit_mm = 1;          ///< an F without a point under standard decimals
   double feed_per_minute_unit_inch = 0.01;
   double feed_per_revolution_unit_mm = 0.0001;
   double feed_per_revolution_unit_inch = 0.000001;
   std::string_view coarse_increment_parameter, fine_increment_parameter;  ///< bits: IS-A, IS-C
-  double power_on_feed_mm_min = -1;       ///< F in force before the first F word; < 0: none
-  std::uint32_t addresses = 0;            ///< letters a program may use (see program::letters)
-  std::uint32_t pointed = 0;              ///< of these: may have a decimal point
-  std::uint32_t negative = 0;             ///< of these: may have a minus sign
+  double power_on_feed_mm_min = -1;  ///< F in force before the first F word; < 0: none
+  std::uint32_t addresses = 0;       ///< letters a program may use (see program::letters)
+  std::uint32_t pointed = 0;         ///< of these: may have a decimal point
+  std::uint32_t negative = 0;        ///< of these: may have a minus sign
 };
 
 struct ArcRules {
-  double tolerance_mm = 0;                ///< start/end radius difference allowed; 0: not checked
+  double tolerance_mm = 0;  ///< start/end radius difference allowed; 0: not checked
   std::string_view tolerance_parameter = {};
   bool negative_r = true;
   bool r_and_center_is_alarm = false;
-  bool closed_by_r_is_alarm = false;      ///< start = end with R: an alarm instead of no motion
+  bool closed_by_r_is_alarm = false;  ///< start = end with R: an alarm instead of no motion
 };
 
 struct ThreadRules {
-  bool inch_word = false;                 ///< I: threads per inch
+  bool inch_word = false;  ///< I: threads per inch
   bool f_and_i_is_alarm = false;
-  bool lead_along_path = false;           ///< F is the lead along the cone, not along the long axis
-  bool f_is_feed_too = false;             ///< F stays in force for G01 after the thread; otherwise F must be given again
-  double q_unit_deg = 0.001;              ///< of the start angle Q
-  char change_word = 'K';                 ///< G34: lead change a revolution
+  bool lead_along_path = false;  ///< F is the lead along the cone, not along the long axis
+  bool f_is_feed_too = false;  ///< F stays in force for G01 after the thread; otherwise F must be given again
+  double q_unit_deg = 0.001;   ///< of the start angle Q
+  char change_word = 'K';      ///< G34: lead change a revolution
   double most_lead_mm = 500;
 };
 
 struct CallRules {
   int nesting = 4;
-  bool l_repeats = false;                 ///< `M98 P L` besides the digits in P
+  bool l_repeats = false;  ///< `M98 P L` besides the digits in P
   std::int64_t most_repeats = 9'999;
-  bool by_name = false;                   ///< `M98 Nname Pcount`
+  bool by_name = false;  ///< `M98 Nname Pcount`
 };
 
 struct ToolRules {
-  bool lathe = false;                     ///< T calls tool and offset; otherwise T only names a tool
+  bool lathe = false;  ///< T calls tool and offset; otherwise T only names a tool
   int offset_digits = 2;
   std::string_view offset_digits_parameter = {};
   std::string_view geometry_by_tool_parameter = {};
-  double sign = 1;                        ///< +1: machine = work + zero + offset; -1: the offset is subtracted
+  double sign = 1;  ///< +1: machine = work + zero + offset; -1: the offset is subtracted
   std::size_t most_offsets = 99;
 };
 
@@ -143,12 +148,12 @@ struct Dialect {
   std::string_view profile;
   machine::Kind kind = machine::Kind::lathe;
   std::array<std::string_view, kAlarmReasons> alarm_codes{};  ///< by AlarmReason; none is empty
-  std::array<GTable, 3> systems;          ///< A, B, C; controls with one system have it three times
+  std::array<GTable, 3> systems;  ///< A, B, C; controls with one system have it three times
   bool incremental_letters[3] = {false, false, false};  ///< U W V H are increments of X Z Y C in this system
   std::vector<MRule> m_rules;
   std::vector<PowerOnSwitch> power_on_switches;
-  std::size_t most_m_codes = 1;           ///< in a block
-  std::string_view more_m_parameter;      ///< bit: three of them
+  std::size_t most_m_codes = 1;       ///< in a block
+  std::string_view more_m_parameter;  ///< bit: three of them
   NumberRules numbers;
   ArcRules arcs;
   ThreadRules threads;
@@ -156,15 +161,16 @@ struct Dialect {
   ToolRules tools;
   Repeated repeated_words = Repeated::last_wins;
   std::string_view repeated_alarm_parameter;  ///< bit: alarm after all
-  std::uint32_t may_repeat = 0;           ///< letters that may repeat in spite of `alarm`
+  std::uint32_t may_repeat = 0;               ///< letters that may repeat in spite of `alarm`
   Repeated same_group = Repeated::last_wins;
   bool one_shot_with_motion_is_alarm = false;
   BothForms both_forms = BothForms::later_wins;
   EndOfText end_of_text = EndOfText::alarm;
   std::size_t longest_block = 8'192;
+  std::uint32_t corner_words = 0;  ///< letters of chamfers and corner rounds in G01: refused, not ignored
   bool inner_slash_is_alarm = false;
-  bool t_refused_with_actions = false;    ///< T may not share a block with G04 G10 G28 G30 G50 G53
-  bool reset_clears = false;              ///< RESET brings the power-on codes back
+  bool t_refused_with_actions = false;  ///< T may not share a block with G04 G10 G28 G30 G50 G53
+  bool reset_clears = false;            ///< RESET brings the power-on codes back
   std::string_view reset_clears_parameter;
   bool local_per_system = false;          ///< G52 belongs to the coordinate system it was given in
   int first_g10_work = 1;                 ///< G10 L2 P of G54
@@ -172,16 +178,22 @@ struct Dialect {
   bool setting_ignores_offset = false;    ///< G50: the tool offset is not part of the position that is set
   bool m99_main_counts_part = false;
   bool m02_counts_part = true;
-  std::string_view no_count_parameter;    ///< bit: M02/M30 do not count
-  bool machine_incremental_is_alarm = false;  ///< G53 U: alarm; otherwise the word is ignored
+  std::string_view no_count_parameter;         ///< bit: M02/M30 do not count
+  bool machine_incremental_is_alarm = false;   ///< G53 U: alarm; otherwise the word is ignored
   std::string_view setting_refused_parameter;  ///< bit: G50/G92 coordinate setting is an improper G code
   std::string_view dwell_turns_parameter;      ///< bit: G04 counts revolutions under feed per revolution
   std::string_view linear_rapid_parameter;     ///< bit: G00 runs on a straight line
-  bool g28_alone_moves_all = false;       ///< G28 without axes sends every axis home
-  /// A text that starts like a macro statement, when the dialect has a form of its own (200T names). May be nullptr.
+  bool g28_alone_moves_all = false;            ///< G28 without axes sends every axis home
+  /// A text that starts like a macro statement, when the dialect has a form of its own (200T names). May be
+  /// nullptr.
   bool (*statement)(interp::Executor&, std::string_view text, std::uint32_t column) = nullptr;
 
-  std::string_view alarm_code(AlarmReason reason) const { return alarm_codes[static_cast<std::size_t>(reason)]; }
+  std::string_view alarm_code(AlarmReason reason) const {
+    return alarm_codes[static_cast<std::size_t>(reason)];
+  }
+  void set_alarm_code(AlarmReason reason, std::string_view code) {
+    alarm_codes[static_cast<std::size_t>(reason)] = code;
+  }
   const GTable& table(char system) const { return systems[system == 'C' ? 2 : system == 'B' ? 1 : 0]; }
   MAction m_action(std::int32_t code) const {
     for (const MRule& rule : m_rules) {

@@ -8,8 +8,8 @@ namespace headstock::interp {
 namespace {
 
 struct PlaneAxes {
-  char first, second;                 // axis names
-  char center_first, center_second;   // their centre words
+  char first, second;                // axis names
+  char center_first, center_second;  // their centre words
 };
 constexpr PlaneAxes kPlanes[] = {{'X', 'Y', 'I', 'J'}, {'Z', 'X', 'K', 'I'}, {'Y', 'Z', 'J', 'K'}};
 
@@ -17,7 +17,9 @@ struct Point {
   double first = 0, second = 0;
 };
 
-double distance(Point a, Point b) { return std::hypot(a.first - b.first, a.second - b.second); }
+double distance(Point a, Point b) {
+  return std::hypot(a.first - b.first, a.second - b.second);
+}
 
 // The centre left of the way for a short counter-clockwise arc; a clockwise or a long one mirrors it.
 Point center_by_radius(Point from, Point to, double radius, Turn turn) {
@@ -45,26 +47,30 @@ bool Executor::arc(Turn turn) {
   const PlaneAxes& names = kPlanes[static_cast<std::size_t>(plane)];
   const auto first = axis_named(names.first);
   const auto second = axis_named(names.second);
-  if (!first || !second) return alarm(AlarmReason::arc_plane, code_column, std::string{names.first, names.second});
+  if (!first || !second)
+    return alarm(AlarmReason::arc_plane, code_column, std::string{names.first, names.second});
 
   const Point from{slide_mm(*first), slide_mm(*second)};
   std::uint32_t moved = 0;
   if (!take_targets(moved)) return false;
   const auto target = [this](std::size_t axis) {
-    return static_cast<double>(round_to(axes[axis].position, axes[axis].increment)) / 1e9 * axes[axis].mm_per_unit;
+    return static_cast<double>(round_to(axes[axis].position, axes[axis].increment)) / 1e9 *
+           axes[axis].mm_per_unit;
   };
   const Point to{target(*first), target(*second)};
   moved |= 1u << *first | 1u << *second;
 
   double tolerance = data.parameter(dialect.arcs.tolerance_parameter, dialect.arcs.tolerance_mm);
-  if (switches.lenient) tolerance = std::max(tolerance, 0.1);  // field files were rounded by their post-processors
+  if (switches.lenient)
+    tolerance = std::max(tolerance, 0.1);  // field files were rounded by their post-processors
   const bool by_center = block.has(names.center_first) || block.has(names.center_second);
 
   Point center;
   double radius = 0;
   if (block.has('R')) {
     const program::Word& word = block['R'];
-    if (by_center && dialect.arcs.r_and_center_is_alarm) return alarm(AlarmReason::arc_r_and_center, word.column, "R");
+    if (by_center && dialect.arcs.r_and_center_is_alarm)
+      return alarm(AlarmReason::arc_r_and_center, word.column, "R");
     const double wanted = length_mm(word);
     if (wanted == 0) return alarm(AlarmReason::arc_no_center, word.column, "R");
     if (wanted < 0 && !dialect.arcs.negative_r) return alarm(AlarmReason::arc_negative_r, word.column, "R");
@@ -82,7 +88,8 @@ bool Executor::arc(Turn turn) {
     const auto offset = [this](char letter) { return block.has(letter) ? length_mm(block[letter]) : 0; };
     center = {from.first + offset(names.center_first), from.second + offset(names.center_second)};
     radius = distance(from, center);
-    const program::Word& word = block.has(names.center_first) ? block[names.center_first] : block[names.center_second];
+    const program::Word& word =
+        block.has(names.center_first) ? block[names.center_first] : block[names.center_second];
     if (radius == 0) return alarm(AlarmReason::arc_no_center, word.column, "I J K");
     const double mismatch = std::fabs(distance(to, center) - radius);
     if (tolerance > 0 && mismatch > tolerance) {
@@ -113,7 +120,8 @@ bool Executor::arc(Turn turn) {
   return true;
 }
 
-// G32/G33/G34. The lead handed on is along the longer axis, as the machine's spindle synchronisation needs it.
+// G32/G33/G34. The lead handed on is along the longer axis, as the machine's spindle synchronisation needs
+// it.
 bool Executor::thread(bool variable) {
   const auto& rules = dialect.threads;
   if (block.has('F') && block.has('I') && rules.f_and_i_is_alarm) {
@@ -127,14 +135,17 @@ bool Executor::thread(bool variable) {
   if (block.has('F')) {
     const program::Word& word = block['F'];
     lead_mm = word.point || pocket ? word.value() * unit_mm
-              : modal.inch ? word.value() * dialect.numbers.feed_per_revolution_unit_inch * 25.4
-                           : word.value() * dialect.numbers.feed_per_revolution_unit_mm;
+              : modal.inch         ? word.value() * dialect.numbers.feed_per_revolution_unit_inch * 25.4
+                                   : word.value() * dialect.numbers.feed_per_revolution_unit_mm;
   } else if (block.has('I') && rules.inch_word) {
     const double per_inch = block['I'].value();
     lead_mm = per_inch > 0 ? 25.4 / per_inch : 0;
   }
-  const std::uint32_t lead_column = block.has('F') ? block['F'].column : block.has('I') ? block['I'].column : 0;
-  if (!(lead_mm > 0) || lead_mm > rules.most_lead_mm) return alarm(AlarmReason::thread_lead, lead_column, "F");
+  const std::uint32_t lead_column = block.has('F')   ? block['F'].column
+                                    : block.has('I') ? block['I'].column
+                                                     : 0;
+  if (!(lead_mm > 0) || lead_mm > rules.most_lead_mm)
+    return alarm(AlarmReason::thread_lead, lead_column, "F");
 
   const AxisVector from = machine_now;
   std::uint32_t moved = 0;

@@ -8,7 +8,9 @@ namespace {
 
 using program::letters;
 
-char lowest_letter(std::uint32_t mask) { return static_cast<char>('A' + std::countr_zero(mask)); }
+char lowest_letter(std::uint32_t mask) {
+  return static_cast<char>('A' + std::countr_zero(mask));
+}
 
 constexpr std::uint32_t kFeedSpindleTool = letters("FST");
 
@@ -25,6 +27,11 @@ bool Executor::execute() {
   if (block.m_count != 0 && !run_m_codes(false)) return false;
   if (spindle_changed) emit_spindle();
 
+  // A move of an axis that the machine does not have must not be left out silently.
+  if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters; wrong != 0) {
+    const char letter = lowest_letter(wrong);
+    return alarm(AlarmReason::illegal_address, block[letter].column, std::string(1, letter));
+  }
   if (action != nullptr) {
     code = action;
     code_column = action_column;
@@ -62,14 +69,16 @@ bool Executor::check_words() {
     return alarm(AlarmReason::minus_sign, b[letter].column, std::string(1, letter));
   }
   if (b.repeated == 0 && b.inner_slash == 0) return true;
-  const bool refused = dialect.repeated_words == dialects::Repeated::alarm || data.bit(dialect.repeated_alarm_parameter);
+  const bool refused =
+      dialect.repeated_words == dialects::Repeated::alarm || data.bit(dialect.repeated_alarm_parameter);
   if (b.repeated != 0 && refused && !switches.lenient) {
     if (const std::uint32_t wrong = b.repeated & ~dialect.may_repeat; wrong != 0) {
       const char letter = lowest_letter(wrong);
       return alarm(AlarmReason::duplicate_word, b[letter].column, std::string(1, letter));
     }
   }
-  if (b.inner_slash != 0 && dialect.inner_slash_is_alarm) return alarm(AlarmReason::slash_position, b.inner_slash);
+  if (b.inner_slash != 0 && dialect.inner_slash_is_alarm)
+    return alarm(AlarmReason::slash_position, b.inner_slash);
   return true;
 }
 
@@ -112,7 +121,8 @@ bool Executor::take_codes() {
     }
     if (row->group != 0) modal.g[row->group] = row->tenths;
   }
-  if (action != nullptr && new_motion != nullptr && dialect.one_shot_with_motion_is_alarm && !switches.lenient) {
+  if (action != nullptr && new_motion != nullptr && dialect.one_shot_with_motion_is_alarm &&
+      !switches.lenient) {
     return alarm(AlarmReason::g_one_shot_and_motion, action_column, std::string(action->name));
   }
   if (action != nullptr && block.has('T') && dialect.t_refused_with_actions) {
@@ -138,10 +148,12 @@ bool Executor::run_m_codes(bool after_motion) {
     if (block.m_count > most && !switches.lenient) {
       return alarm(AlarmReason::too_many_m, block.m[most], 'M');
     }
-    if (block.m_pointed && !switches.lenient) return alarm(AlarmReason::decimal_point, block.m[0].column, "M");
+    if (block.m_pointed && !switches.lenient)
+      return alarm(AlarmReason::decimal_point, block.m[0].column, "M");
   }
   for (std::size_t i = 0; i < block.m_count; ++i) {
-    if (block.m[i].tenths < 0 || block.m[i].tenths % 10 != 0) return alarm(AlarmReason::decimal_point, block.m[i].column, "M");
+    if (block.m[i].tenths < 0 || block.m[i].tenths % 10 != 0)
+      return alarm(AlarmReason::decimal_point, block.m[i].column, "M");
     const std::int32_t number = block.m[i].tenths / 10;
     const MAction what = dialect.m_action(number);
     bool is_after = false;
@@ -215,7 +227,8 @@ bool Executor::run_program_flow() {
         }
         if (times > dialect.calls.most_repeats) return alarm(AlarmReason::call_count, block['P'].column, "P");
         const auto number = static_cast<std::uint32_t>(p % 10'000);
-        return call(programs == nullptr ? nullptr : programs->open_number(number), number, times, block['P'].column);
+        return call(programs == nullptr ? nullptr : programs->open_number(number), number, times,
+                    block['P'].column);
       }
       case MAction::return_: {
         std::int64_t sequence = -1;

@@ -1,5 +1,6 @@
-// Canonical operations: what a program means once the language is gone. The interpreter produces them in order, the
-// motion side carries them out, the offline tools print them. Plain values, no allocation except in the rare texts.
+// Canonical operations: what a program means once the language is gone. The interpreter produces them in
+// order, the motion side carries them out, the offline tools print them. Plain values, no allocation except
+// in the rare texts.
 #pragma once
 
 #include <array>
@@ -15,26 +16,29 @@ using machine::AxisVector;
 
 /// Where in the source an operation comes from.
 struct SourcePosition {
-  std::uint32_t program = 0;     ///< O number; 0 when the program has none (200T names: see ProgramNames)
-  std::uint32_t line = 0;        ///< 1-based line of that program's source
-  std::uint32_t column = 0;      ///< 1-based column (bytes); 0 when the whole block is meant
-  std::uint32_t sequence = 0;    ///< last N number passed
-  std::uint64_t byte_offset = 0; ///< of the block's first byte, for resuming a drip-feed
+  std::uint32_t program = 0;      ///< O number; 0 when the program has none (200T names: see ProgramNames)
+  std::uint32_t line = 0;         ///< 1-based line of that program's source
+  std::uint32_t column = 0;       ///< 1-based column (bytes); 0 when the whole block is meant
+  std::uint32_t sequence = 0;     ///< last N number passed
+  std::uint64_t byte_offset = 0;  ///< of the block's first byte, for resuming a drip-feed
 };
 
 inline constexpr std::size_t kModalGroups = 32;
 
-/// The modal state in force when an operation was made; it rides on every segment so that what is shown is what moves.
+/// The modal state in force when an operation was made; it rides on every segment so that what is shown is
+/// what moves.
 struct ModalSnapshot {
-  /// Active code of each modal group, times ten (G54.1 → 541), -1 where the group has none. Index: the dialect's group.
+  /// Active code of each modal group, times ten (G54.1 → 541), -1 where the group has none. Index: the
+  /// dialect's group.
   std::array<std::int16_t, kModalGroups> g{};
-  std::int32_t tool = 0;         ///< tool number as programmed
-  std::int32_t offset = 0;       ///< offset number in force
-  double feed = 0;               ///< F as programmed, in the unit of the feed group
-  double spindle_speed = 0;      ///< S as programmed: rpm, or m/min (ft/min) under constant surface speed
-  AxisVector work_zero{};        ///< machine coordinate of the active workpiece zero incl. tool offset [mm], radius on X
-  bool inch = false;             ///< G20: programming units are inches
-  bool per_revolution = false;   ///< the feed group says feed per revolution
+  std::int32_t tool = 0;     ///< tool number as programmed
+  std::int32_t offset = 0;   ///< offset number in force
+  double feed = 0;           ///< F as programmed, in the unit of the feed group
+  double spindle_speed = 0;  ///< S as programmed: rpm, or m/min (ft/min) under constant surface speed
+  AxisVector
+      work_zero{};    ///< machine coordinate of the active workpiece zero incl. tool offset [mm], radius on X
+  bool inch = false;  ///< G20: programming units are inches
+  bool per_revolution = false;  ///< the feed group says feed per revolution
 };
 
 enum class Plane : std::uint8_t { xy, zx, yz };
@@ -45,22 +49,23 @@ enum class FeedUnit : std::uint8_t { mm_per_minute, mm_per_revolution, inverse_t
 struct Motion {
   SourcePosition at;
   ModalSnapshot modal;
-  AxisVector end_work{};      ///< end as the absolute position page shows it: programming units, X as a diameter where so
-  AxisVector end_machine{};   ///< end in machine coordinates [mm, degrees], slide position
-  std::uint32_t axes = 0;     ///< bit i: axis i was programmed or moves
+  AxisVector end_work{};  ///< end as the absolute position page shows it: programming units, X as a diameter
+                          ///< where so
+  AxisVector end_machine{};     ///< end in machine coordinates [mm, degrees], slide position
+  std::uint32_t axes = 0;       ///< bit i: axis i was programmed or moves
   const char* cycle = nullptr;  ///< "G71" when a canned cycle made the move; static storage
-  bool exact_stop = false;    ///< G09/G61: decelerate to zero and check in-position at the end
+  bool exact_stop = false;      ///< G09/G61: decelerate to zero and check in-position at the end
 };
 
 /// G00: every axis at its own rapid rate, on a straight line or not as the controller's parameter says.
 struct Rapid : Motion {
-  bool linear = false;        ///< interpolated rapid (LRP): all axes arrive together on a straight line
+  bool linear = false;  ///< interpolated rapid (LRP): all axes arrive together on a straight line
   bool machine_coordinates = false;  ///< G53, G28 and the like
 };
 
 /// G01.
 struct Feed : Motion {
-  double feed = 0;            ///< mm/min, mm/rev, or 1/min by `unit`; already metric
+  double feed = 0;  ///< mm/min, mm/rev, or 1/min by `unit`; already metric
   FeedUnit unit = FeedUnit::mm_per_minute;
 };
 
@@ -69,22 +74,28 @@ struct Arc : Motion {
   double feed = 0;
   FeedUnit unit = FeedUnit::mm_per_minute;
   Plane plane = Plane::xy;
-  Turn turn = Turn::cw;       ///< as seen in the plane (first axis → second axis), not as the post is mounted
-  AxisVector center_work{};   ///< programming units, X as a diameter where so; only the plane's axes are meaningful
-  AxisVector center_machine{};///< mm
-  double radius_mm = 0;       ///< at the start point
-  double turns = 0;           ///< angle swept / 360°, > 0
+  Turn turn = Turn::cw;  ///< as seen in the plane (first axis → second axis), not as the post is mounted
+  AxisVector
+      center_work{};  ///< programming units, X as a diameter where so; only the plane's axes are meaningful
+  AxisVector center_machine{};  ///< mm
+  double radius_mm = 0;         ///< at the start point
+  double turns = 0;             ///< angle swept / 360°, > 0
 };
 
 /// G32/G33 family: feed synchronised with the spindle's phase.
 struct Thread : Motion {
-  double lead_mm = 0;         ///< along the long axis
-  double lead_change_mm = 0;  ///< per revolution (G34)
-  double start_angle_deg = 0; ///< Q
+  double lead_mm = 0;          ///< along the long axis
+  double lead_change_mm = 0;   ///< per revolution (G34)
+  double start_angle_deg = 0;  ///< Q
 };
 
 /// G04.
-struct Dwell { SourcePosition at; ModalSnapshot modal; double seconds = 0; double revolutions = 0; };
+struct Dwell {
+  SourcePosition at;
+  ModalSnapshot modal;
+  double seconds = 0;
+  double revolutions = 0;
+};
 
 enum class SpindleDirection : std::uint8_t { stop, cw, ccw };
 
@@ -92,35 +103,56 @@ enum class SpindleDirection : std::uint8_t { stop, cw, ccw };
 struct Spindle {
   SourcePosition at;
   SpindleDirection direction = SpindleDirection::stop;
-  double speed = 0;           ///< rpm, or surface speed in m/min
+  double speed = 0;  ///< rpm, or surface speed in m/min
   bool constant_surface_speed = false;
-  double clamp_rpm = 0;       ///< 0: none
+  double clamp_rpm = 0;  ///< 0: none
 };
 
 /// T word (lathe: tool and offset; mill: the tool to prepare; M06 is an MCode).
-struct Tool { SourcePosition at; std::int32_t tool = 0; std::int32_t offset = 0; };
+struct Tool {
+  SourcePosition at;
+  std::int32_t tool = 0;
+  std::int32_t offset = 0;
+};
 
 /// An M code that goes to the machine (PLC handshake). M98/M99 and program ends are not sent this way.
-struct MCode { SourcePosition at; ModalSnapshot modal; std::int32_t code = 0; bool after_motion = false; };
+struct MCode {
+  SourcePosition at;
+  ModalSnapshot modal;
+  std::int32_t code = 0;
+  bool after_motion = false;
+};
 
 /// #3006, comments to show, DPRNT output.
-struct Message { SourcePosition at; std::string text; };
+struct Message {
+  SourcePosition at;
+  std::string text;
+};
 
 /// M00/M01: wait for cycle start.
-struct Stop { SourcePosition at; ModalSnapshot modal; bool optional = false; };
+struct Stop {
+  SourcePosition at;
+  ModalSnapshot modal;
+  bool optional = false;
+};
 
 /// A controller alarm: data, not an exception. `code` as that controller prints it.
 struct Alarm {
   SourcePosition at;
-  std::string code;           ///< "PS0010", "OT0500", GSK "11" …
-  std::string detail;         ///< what in the block caused it (address, value); language-neutral
+  std::string code;    ///< "PS0010", "OT0500", GSK "11" …
+  std::string detail;  ///< what in the block caused it (address, value); language-neutral
 };
 
 enum class EndReason : std::uint8_t { m02, m30, m99_main, end_of_file, alarm };
 
 /// The program is over. `counts_part` as the dialect's parameters say (M02, M30, …).
-struct End { SourcePosition at; EndReason reason = EndReason::m30; bool counts_part = false; };
+struct End {
+  SourcePosition at;
+  EndReason reason = EndReason::m30;
+  bool counts_part = false;
+};
 
-using Operation = std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm, End>;
+using Operation =
+    std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm, End>;
 
 }  // namespace headstock::interp

@@ -69,15 +69,16 @@ bool local(Executor& ex) {
 bool machine_move(Executor& ex) {
   AxisVector target = ex.machine_now;
   std::uint32_t moved = 0;
-  const bool ok = for_axis_words(ex, [&](std::size_t i, std::int64_t value, bool by, const program::Word& word) {
-    if (by || ex.incremental) {
-      if (!ex.dialect.machine_incremental_is_alarm) return true;  // the word is ignored (0i-D 7.1)
-      return ex.alarm(AlarmReason::machine_incremental, word.column, std::string(ex.code->name));
-    }
-    target[i] = to_slide(ex, i, value);
-    moved |= 1u << i;
-    return true;
-  });
+  const bool ok =
+      for_axis_words(ex, [&](std::size_t i, std::int64_t value, bool by, const program::Word& word) {
+        if (by || ex.incremental) {
+          if (!ex.dialect.machine_incremental_is_alarm) return true;  // the word is ignored (0i-D 7.1)
+          return ex.alarm(AlarmReason::machine_incremental, word.column, std::string(ex.code->name));
+        }
+        target[i] = to_slide(ex, i, value);
+        moved |= 1u << i;
+        return true;
+      });
   if (!ok) return false;
   return moved == 0 || ex.emit_rapid_to_machine(target, moved, true);
 }
@@ -91,7 +92,8 @@ bool work_select(Executor& ex) {
   if (may_be_extra && ex.block.has('P') && ex.block.m_count == 0) {
     const std::int64_t p = ex.whole('P', AlarmReason::work_number);
     if (p < 0) return false;
-    if (p < 1 || p > 48) return ex.alarm(AlarmReason::work_number, ex.block['P'].column, "P" + std::to_string(p));
+    if (p < 1 || p > 48)
+      return ex.alarm(AlarmReason::work_number, ex.block['P'].column, "P" + std::to_string(p));
     extra = true;
     index = static_cast<std::size_t>(p - 1);
   }

@@ -10,7 +10,8 @@ namespace {
 // A value as the offset page shows it: mm, diameter on a diameter axis.
 double page_value(const Executor& ex, const program::Word& word, std::size_t axis) {
   const auto& a = ex.axes[axis];
-  return static_cast<double>(ex.round_to(ex.nano(word, a.increment), a.increment)) / 1e9 * (a.rotary ? 1 : ex.unit_mm);
+  return static_cast<double>(ex.round_to(ex.nano(word, a.increment), a.increment)) / 1e9 *
+         (a.rotary ? 1 : ex.unit_mm);
 }
 
 void write(Executor& ex, double& cell, double value, const std::string& what) {
@@ -48,7 +49,8 @@ bool work_offset(Executor& ex, std::int64_t p) {
     write_axis_words(ex, "work/EXT/", [&](std::size_t i) -> double& { return ex.data.work_external[i]; });
   } else if (system >= 0 && system < 6) {
     auto& zero = ex.data.work[static_cast<std::size_t>(system)];
-    write_axis_words(ex, "work/G" + std::to_string(54 + system) + "/", [&](std::size_t i) -> double& { return zero[i]; });
+    write_axis_words(ex, "work/G" + std::to_string(54 + system) + "/",
+                     [&](std::size_t i) -> double& { return zero[i]; });
   } else {
     return ex.alarm(AlarmReason::data_input, ex.block['P'].column, "P" + std::to_string(p));
   }
@@ -57,9 +59,11 @@ bool work_offset(Executor& ex, std::int64_t p) {
 }
 
 bool work_extra_offset(Executor& ex, std::int64_t p) {
-  if (p < 1 || p > 48) return ex.alarm(AlarmReason::data_input, ex.block['P'].column, "P" + std::to_string(p));
+  if (p < 1 || p > 48)
+    return ex.alarm(AlarmReason::data_input, ex.block['P'].column, "P" + std::to_string(p));
   auto& zero = ex.data.work_extra[static_cast<std::size_t>(p - 1)];
-  write_axis_words(ex, "work/G54.1P" + std::to_string(p) + "/", [&](std::size_t i) -> double& { return zero[i]; });
+  write_axis_words(ex, "work/G54.1P" + std::to_string(p) + "/",
+                   [&](std::size_t i) -> double& { return zero[i]; });
   ex.update_zeros();
   return true;
 }
@@ -100,9 +104,11 @@ bool lathe_tool(Executor& ex, std::int64_t p) {
   ToolOffset* tool = tool_offset(ex, number);
   if (tool == nullptr) return false;
   const std::string place = "tool/" + std::to_string(number) + (geometry ? "/geometry/" : "/wear/");
-  write_axis_words(ex, place, [&](std::size_t i) -> double& { return geometry ? tool->geometry[i] : tool->wear[i]; });
+  write_axis_words(ex, place,
+                   [&](std::size_t i) -> double& { return geometry ? tool->geometry[i] : tool->wear[i]; });
   const std::string radius = "tool/" + std::to_string(number) + (geometry ? "/radius" : "/radius_wear");
-  if (ex.block.has('R')) write(ex, geometry ? tool->radius : tool->radius_wear, ex.length_mm(ex.block['R']), radius);
+  if (ex.block.has('R'))
+    write(ex, geometry ? tool->radius : tool->radius_wear, ex.length_mm(ex.block['R']), radius);
   if (ex.block.has('Q')) {
     const std::int64_t tip = ex.whole('Q', AlarmReason::data_value);
     if (tip < 0) return false;
@@ -131,7 +137,8 @@ bool data_input(Executor& ex) {
   if (l == 20 && ex.table->find(541) != nullptr) return work_extra_offset(ex, p);
   if (lathe && l == 10) return lathe_tool(ex, p);
   if (!lathe && (l == 1 || (l >= 10 && l <= 13))) return mill_tool(ex, l, p);
-  return ex.alarm(AlarmReason::g_unavailable, b.has('L') ? b['L'].column : ex.code_column, "G10 L" + std::to_string(l));
+  return ex.alarm(AlarmReason::g_unavailable, b.has('L') ? b['L'].column : ex.code_column,
+                  "G10 L" + std::to_string(l));
 }
 
 }  // namespace headstock::interp::handlers

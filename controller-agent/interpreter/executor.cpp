@@ -14,7 +14,8 @@ constexpr std::string_view kIncrementOf = "XUYVZWCH";  // pairs: axis, its incre
 
 }  // namespace
 
-Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& machine_data, program::Programs* callable)
+Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& machine_data,
+                   program::Programs* callable)
     : dialect(d), machine(m), data(machine_data), programs(callable) {
   axes.resize(std::min(machine.axes.size(), kMaxAxes));
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -64,6 +65,7 @@ void Executor::set_switches(const Switches& wanted) {
     }
   }
   axis_letters = absolute_letters | incremental_letters;
+  axis_like = letters("XYZABCUVW") | (dialect.tools.lathe ? letter_bit('H') : 0);
   constexpr std::uint32_t kAll = (1u << 26) - 1;
   legal = switches.lenient ? kAll : numbers.addresses;
   may_point = switches.lenient ? kAll : numbers.pointed;

@@ -1,9 +1,9 @@
-// The inside of one path's interpreter: its state and the steps that handlers of G codes share. Included by the
-// handlers (interpreter/, dialects/, later cycles/ and compensation/), not by users of the interpreter.
+// The inside of one path's interpreter: its state and the steps that handlers of G codes share. Included by
+// the handlers (interpreter/, dialects/, later cycles/ and compensation/), not by users of the interpreter.
 //
-// A block is carried out in a fixed order: planes, units, modes (Phase::setting) → F and S → T → M codes that start
-// with the motion → the action or the motion → M codes after it → stop, end, call or return. Operations go straight
-// into the caller's `Operation`, further ones of the same block into a queue.
+// A block is carried out in a fixed order: planes, units, modes (Phase::setting) → F and S → T → M codes that
+// start with the motion → the action or the motion → M codes after it → stop, end, call or return. Operations
+// go straight into the caller's `Operation`, further ones of the same block into a queue.
 #pragma once
 
 #include <array>
@@ -37,32 +37,34 @@ using program::letter_bit;
 struct ProgramAxis {
   char name = 'X';
   bool rotary = false;
-  double diameter = 1;        ///< programmed value × diameter = slide value: 0.5 on a diameter axis
-  double mm_per_unit = 1;     ///< programming unit × diameter → slide mm (changes with G20/G21)
-  std::int64_t increment = program::kNano / 1000;  ///< least input increment in nano units (changes with G20/G21)
+  double diameter = 1;     ///< programmed value × diameter = slide value: 0.5 on a diameter axis
+  double mm_per_unit = 1;  ///< programming unit × diameter → slide mm (changes with G20/G21)
+  std::int64_t increment =
+      program::kNano / 1000;  ///< least input increment in nano units (changes with G20/G21)
   std::int64_t position = 0;  ///< programmed position in the active work system, nano units, exact
   // parts of the zero point, slide mm; their sum is ModalSnapshot::work_zero
   double zero_external = 0, zero_work = 0, zero_shift = 0, zero_local = 0, zero_tool = 0;
-  double intermediate = 0;    ///< machine coordinate of the last G28/G30 intermediate point
+  double intermediate = 0;  ///< machine coordinate of the last G28/G30 intermediate point
   bool has_intermediate = false;
-  double start_point = 0;     ///< machine coordinate of the last coordinate setting (start point of 200T)
+  double start_point = 0;  ///< machine coordinate of the last coordinate setting (start point of 200T)
   bool has_start_point = false;
 };
 
 /// A program on the call stack.
 struct Frame {
   std::unique_ptr<program::BlockReader> reader;
-  program::Line line;                ///< being carried out
-  const char* rest = nullptr;        ///< of the line: where its next block starts; nullptr: read a new line
-  std::uint32_t number = 0;          ///< O number
-  std::int64_t repeats_left = 0;     ///< further runs of a sub-program
-  bool at_start = true;              ///< nothing but tape marks and the O word so far
-  std::int64_t wanted_sequence = -1; ///< searching this N; -1: not searching
-  SourcePosition wanted_by;          ///< of the jump, for the alarm
+  program::Line line;                 ///< being carried out
+  const char* rest = nullptr;         ///< of the line: where its next block starts; nullptr: read a new line
+  std::uint32_t number = 0;           ///< O number
+  std::int64_t repeats_left = 0;      ///< further runs of a sub-program
+  bool at_start = true;               ///< nothing but tape marks and the O word so far
+  std::int64_t wanted_sequence = -1;  ///< searching this N; -1: not searching
+  SourcePosition wanted_by;           ///< of the jump, for the alarm
 };
 
 struct Executor {
-  Executor(const Dialect& dialect, const machine::Machine& machine, MachineData& data, program::Programs* programs);
+  Executor(const Dialect& dialect, const machine::Machine& machine, MachineData& data,
+           program::Programs* programs);
 
   // ---- what Interpreter offers (executor.cpp)
   void set_switches(const Switches& wanted);
@@ -78,7 +80,8 @@ struct Executor {
   Step step();
   bool end_of_text(bool record_end);
   bool jump_to_sequence(std::int64_t sequence, std::uint32_t column);
-  bool call(std::unique_ptr<program::Source> source, std::uint32_t number, std::int64_t times, std::uint32_t column);
+  bool call(std::unique_ptr<program::Source> source, std::uint32_t number, std::int64_t times,
+            std::uint32_t column);
   bool return_from_sub(std::int64_t to_sequence, std::uint32_t column);
   bool rewind_main();
   bool count_jump();
@@ -93,7 +96,8 @@ struct Executor {
   bool run_program_flow();
 
   // ---- values
-  /// Length, angle or seconds in nano units of the programming unit: decimal-point rule, rounding, digits checked later.
+  /// Length, angle or seconds in nano units of the programming unit: decimal-point rule, rounding, digits
+  /// checked later.
   std::int64_t nano(const program::Word& word, std::int64_t increment) const {
     if (word.point || pocket) return word.nano();
     return word.digits * increment;
@@ -115,7 +119,8 @@ struct Executor {
   void set_axis_machine(std::size_t axis, double machine_position);
   double shown(std::size_t axis) const;  ///< absolute position page, programming units
   double page_to_slide(std::size_t axis, double page_mm) const { return page_mm * axes[axis].diameter; }
-  /// Takes the block's axis words as targets into `axes[].position`. @return false after an alarm; `moved` gets the axes.
+  /// Takes the block's axis words as targets into `axes[].position`. @return false after an alarm; `moved`
+  /// gets the axes.
   bool take_targets(std::uint32_t& moved);
   bool settle_both_forms(std::uint32_t mask);
   std::optional<std::size_t> axis_named(char name) const;
@@ -166,37 +171,38 @@ struct Executor {
   const dialects::GTable* table = nullptr;
   program::LexRules lex_rules;
   bool pocket = false;
+  std::uint32_t axis_like = 0;  ///< letters that name an axis or its increment on some machine
   std::uint32_t absolute_letters = 0, incremental_letters = 0, axis_letters = 0;
   std::array<std::int8_t, 26> axis_of{};  ///< axis index of a letter, -1: none
   std::uint32_t legal = 0, may_point = 0, may_minus = 0;
 
   // ---- modal state
   std::vector<ProgramAxis> axes;
-  AxisVector machine_now{};             ///< slide positions [mm, degrees]
-  AxisVector work_now{};                ///< what the absolute page shows, programming units
+  AxisVector machine_now{};  ///< slide positions [mm, degrees]
+  AxisVector work_now{};     ///< what the absolute page shows, programming units
   ModalSnapshot modal;
-  const GCode* motion_code = nullptr;   ///< group 01
-  bool incremental = false;             ///< G91
-  bool exact_stop_mode = false;         ///< G61
-  bool linear_rapid = false;            ///< LRP: G00 on a straight line
+  const GCode* motion_code = nullptr;  ///< group 01
+  bool incremental = false;            ///< G91
+  bool exact_stop_mode = false;        ///< G61
+  bool linear_rapid = false;           ///< LRP: G00 on a straight line
   bool constant_surface_speed = false;
   FeedUnit feed_unit = FeedUnit::mm_per_minute;
-  bool work_is_extra = false;           ///< G54.1
-  std::size_t work_index = 0;           ///< of G54…G59, or of G54.1 P
+  bool work_is_extra = false;  ///< G54.1
+  std::size_t work_index = 0;  ///< of G54…G59, or of G54.1 P
   Plane plane = Plane::xy;
-  double unit_mm = 1;                   ///< mm of a programming unit
+  double unit_mm = 1;  ///< mm of a programming unit
   std::int64_t linear_increment = program::kNano / 1000;
-  double feed_mm = -1;                  ///< mm/min or mm/rev; < 0: never commanded
-  double lead_mm = 0;                   ///< last thread lead; 0: none
+  double feed_mm = -1;  ///< mm/min or mm/rev; < 0: never commanded
+  double lead_mm = 0;   ///< last thread lead; 0: none
   double rpm = 0, surface_speed = 0, clamp_rpm = 0;
   SpindleDirection spindle_direction = SpindleDirection::stop;
-  int length_sign = 0;                  ///< G43: +1, G44: -1, G49: 0
-  std::int64_t length_offset = 0;       ///< H number in force
+  int length_sign = 0;             ///< G43: +1, G44: -1, G49: 0
+  std::int64_t length_offset = 0;  ///< H number in force
 
   // ---- the block being carried out
   program::Block block;
   SourcePosition at;
-  const GCode* code = nullptr;          ///< whose handler runs
+  const GCode* code = nullptr;  ///< whose handler runs
   std::uint32_t code_column = 0;
   const GCode* action = nullptr;
   std::uint32_t action_column = 0;
@@ -205,11 +211,11 @@ struct Executor {
   std::size_t setting_count = 0;
   bool exact_stop_once = false;
   bool spindle_changed = false;
-  std::uint32_t pending_axes = 0;       ///< axes that move because their offset changed (G43 H)
+  std::uint32_t pending_axes = 0;  ///< axes that move because their offset changed (G43 H)
 
   // ---- the program
   std::vector<Frame> frames;
-  std::uint64_t jumps = 0;              ///< backwards since the last motion
+  std::uint64_t jumps = 0;  ///< backwards since the last motion
   bool finished = true;
 
   // ---- results of the block

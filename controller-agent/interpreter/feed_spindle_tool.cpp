@@ -82,7 +82,8 @@ bool Executor::take_tool() {
     modal.tool = tool.tool;
     return true;
   }
-  int digits = static_cast<int>(data.parameter(dialect.tools.offset_digits_parameter, dialect.tools.offset_digits));
+  int digits =
+      static_cast<int>(data.parameter(dialect.tools.offset_digits_parameter, dialect.tools.offset_digits));
   if (digits < 1 || digits > 3) digits = dialect.tools.offset_digits;
   const std::int64_t split = program::kPowerOfTen[static_cast<std::size_t>(digits)];
   const std::int64_t number = value / split;

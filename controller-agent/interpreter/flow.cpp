@@ -6,22 +6,32 @@
 namespace headstock::interp {
 namespace {
 
-// Jumps backwards without any motion, dwell, stop or M code between them before the program is called endless.
+// Jumps backwards without any motion, dwell, stop or M code between them before the program is called
+// endless.
 constexpr std::uint64_t kJumpBudget = 100'000;
 
 AlarmReason reason_of(program::LexError error) {
   using program::LexError;
   switch (error) {
-    case LexError::no_address: return AlarmReason::no_address;
-    case LexError::no_data: return AlarmReason::no_data;
-    case LexError::illegal_minus: return AlarmReason::minus_sign;
-    case LexError::illegal_point: return AlarmReason::decimal_point;
-    case LexError::too_many_digits: return AlarmReason::too_many_digits;
-    case LexError::illegal_character: return AlarmReason::illegal_address;
-    case LexError::too_many_codes: return AlarmReason::too_many_m;
-    case LexError::sequence_format: return AlarmReason::program_number;
+    case LexError::no_address:
+      return AlarmReason::no_address;
+    case LexError::no_data:
+      return AlarmReason::no_data;
+    case LexError::illegal_minus:
+      return AlarmReason::minus_sign;
+    case LexError::illegal_point:
+      return AlarmReason::decimal_point;
+    case LexError::too_many_digits:
+      return AlarmReason::too_many_digits;
+    case LexError::illegal_character:
+      return AlarmReason::illegal_address;
+    case LexError::too_many_codes:
+      return AlarmReason::too_many_m;
+    case LexError::sequence_format:
+      return AlarmReason::program_number;
     case LexError::expression:
-    case LexError::none: break;
+    case LexError::none:
+      break;
   }
   return AlarmReason::expression;
 }
@@ -75,7 +85,8 @@ Executor::Step Executor::step() {
   if (block.has_sequence) at.sequence = block.sequence;
 
   if (block.skip != 0 && (block.skip & switches.block_skip) != 0) {
-    frame.rest = nullptr;  // to the end of the line: what was typed after EOB on one line is read again with it
+    frame.rest =
+        nullptr;  // to the end of the line: what was typed after EOB on one line is read again with it
     return Step::done;
   }
   if (read.status == program::LexStatus::error) {

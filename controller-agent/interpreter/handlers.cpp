@@ -18,10 +18,18 @@ bool data_input(Executor& ex);
 
 namespace {
 
-bool rapid(Executor& ex) { return ex.rapid(); }
-bool feed(Executor& ex) { return ex.feed(); }
-bool arc_cw(Executor& ex) { return ex.arc(Turn::cw); }
-bool arc_ccw(Executor& ex) { return ex.arc(Turn::ccw); }
+bool rapid(Executor& ex) {
+  return ex.rapid();
+}
+bool feed(Executor& ex) {
+  return ex.feed();
+}
+bool arc_cw(Executor& ex) {
+  return ex.arc(Turn::cw);
+}
+bool arc_ccw(Executor& ex) {
+  return ex.arc(Turn::ccw);
+}
 
 template <Plane plane>
 bool select_plane(Executor& ex) {
@@ -72,7 +80,8 @@ bool dwell(Executor& ex) {
   };
   double amount = 0;
   bool given = true;
-  if (b.has('X') && b.has('P') && ex.dialect.repeated_words == dialects::Repeated::alarm && !ex.switches.lenient) {
+  if (b.has('X') && b.has('P') && ex.dialect.repeated_words == dialects::Repeated::alarm &&
+      !ex.switches.lenient) {
     return ex.alarm(AlarmReason::dwell_words, b['P'].column, "P");
   }
   if (b.has('X')) {
@@ -88,12 +97,14 @@ bool dwell(Executor& ex) {
   auto& pause = ex.emit<Dwell>();  // without an amount: an exact stop
   pause.at = ex.at;
   pause.modal = ex.modal;
-  const bool turns = ex.feed_unit == FeedUnit::mm_per_revolution && ex.data.bit(ex.dialect.dwell_turns_parameter);
+  const bool turns =
+      ex.feed_unit == FeedUnit::mm_per_revolution && ex.data.bit(ex.dialect.dwell_turns_parameter);
   if (given) (turns ? pause.revolutions : pause.seconds) = amount;
   return true;
 }
 
-// G43/G44 H, G49: tool length along Z, by moving the zero point; without a Z word the axis moves by the difference.
+// G43/G44 H, G49: tool length along Z, by moving the zero point; without a Z word the axis moves by the
+// difference.
 bool length_offset(Executor& ex) {
   const std::int32_t tenths = ex.code->tenths;
   ex.length_sign = tenths == 430 ? 1 : tenths == 440 ? -1 : 0;
@@ -106,7 +117,8 @@ bool length_offset(Executor& ex) {
   }
   const auto z = ex.axis_named('Z');
   if (!z) {
-    return ex.length_sign == 0 || ex.alarm(AlarmReason::length_axis, ex.code_column, std::string(ex.code->name));
+    return ex.length_sign == 0 ||
+           ex.alarm(AlarmReason::length_axis, ex.code_column, std::string(ex.code->name));
   }
   const auto number = static_cast<std::size_t>(ex.length_offset);
   const bool known = ex.length_sign != 0 && number > 0 && number < ex.data.tools.size();
@@ -160,8 +172,12 @@ constexpr Named kHandlers[] = {
 
 }  // namespace
 
-bool thread(Executor& ex) { return ex.thread(false); }
-bool thread_variable(Executor& ex) { return ex.thread(true); }
+bool thread(Executor& ex) {
+  return ex.thread(false);
+}
+bool thread_variable(Executor& ex) {
+  return ex.thread(true);
+}
 
 const Named* find(std::string_view name) {
   const auto* found = std::find_if(std::begin(kHandlers), std::end(kHandlers),

@@ -17,8 +17,8 @@ struct Named {
 /// @return nullptr when there is no such handler.
 const Named* find(std::string_view name);
 
-bool set_coordinates(Executor& ex);   // G50, G92
-bool thread(Executor& ex);            // G32, G33
-bool thread_variable(Executor& ex);   // G34
+bool set_coordinates(Executor& ex);  // G50, G92
+bool thread(Executor& ex);           // G32, G33
+bool thread_variable(Executor& ex);  // G34
 
 }  // namespace headstock::interp::handlers

@@ -12,15 +12,27 @@ Interpreter::Interpreter(const dialects::Dialect& dialect, const machine::Machin
 
 Interpreter::~Interpreter() = default;
 
-void Interpreter::set_switches(const Switches& switches) { executor_->set_switches(switches); }
-void Interpreter::on_data_change(DataChanged callback) { executor_->changed = std::move(callback); }
+void Interpreter::set_switches(const Switches& switches) {
+  executor_->set_switches(switches);
+}
+void Interpreter::on_data_change(DataChanged callback) {
+  executor_->changed = std::move(callback);
+}
 void Interpreter::start(std::unique_ptr<program::Source> main, const AxisVector& machine_position) {
   executor_->start(std::move(main), machine_position);
 }
-Pull Interpreter::next(Operation& out) { return executor_->next(out); }
-void Interpreter::reset(const AxisVector& machine_position) { executor_->reset(machine_position); }
-void Interpreter::set_position(const AxisVector& machine_position) { executor_->set_position(machine_position); }
-const ModalSnapshot& Interpreter::modal() const { return executor_->modal; }
+Pull Interpreter::next(Operation& out) {
+  return executor_->next(out);
+}
+void Interpreter::reset(const AxisVector& machine_position) {
+  executor_->reset(machine_position);
+}
+void Interpreter::set_position(const AxisVector& machine_position) {
+  executor_->set_position(machine_position);
+}
+const ModalSnapshot& Interpreter::modal() const {
+  return executor_->modal;
+}
 AxisVector Interpreter::to_work(const AxisVector& machine_position, const ModalSnapshot& modal) const {
   return executor_->to_work(machine_position, modal);
 }

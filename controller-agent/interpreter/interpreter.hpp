@@ -1,5 +1,6 @@
-// One path's interpreter: pulls blocks from a program, keeps the modal state, and hands out canonical operations one at
-// a time. Streaming: memory does not grow with the program. Not thread-safe; belongs to the look-ahead thread.
+// One path's interpreter: pulls blocks from a program, keeps the modal state, and hands out canonical
+// operations one at a time. Streaming: memory does not grow with the program. Not thread-safe; belongs to the
+// look-ahead thread.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,9 @@
 #include "machine/machine.hpp"
 #include "program/source.hpp"
 
-namespace headstock::dialects { struct Dialect; }
+namespace headstock::dialects {
+struct Dialect;
+}
 
 namespace headstock::interp {
 
@@ -27,11 +30,11 @@ enum class DecimalPoint : std::uint8_t {
 
 /// Switches of the machine that change what a block means.
 struct Switches {
-  std::uint32_t block_skip = 0;   ///< bit n: /n is on (bit 1 also serves plain "/")
-  bool optional_stop = false;     ///< M01 stops
+  std::uint32_t block_skip = 0;  ///< bit n: /n is on (bit 1 also serves plain "/")
+  bool optional_stop = false;    ///< M01 stops
   bool dry_run = false;
-  bool lenient = false;           ///< field files: `;` comments, no O/%, bare numbers as mm
-  char gcode_system = 'A';        ///< A, B or C (fanuc-0i-t)
+  bool lenient = false;     ///< field files: `;` comments, no O/%, bare numbers as mm
+  char gcode_system = 'A';  ///< A, B or C (fanuc-0i-t)
   DecimalPoint decimal_point = DecimalPoint::as_machine;
 };
 
@@ -53,20 +56,23 @@ class Interpreter {
   void set_switches(const Switches& switches);
   void on_data_change(DataChanged callback);
 
-  /// Starts a main program from its beginning with the modal state in force. The machine stands at `machine_position`.
+  /// Starts a main program from its beginning with the modal state in force. The machine stands at
+  /// `machine_position`.
   void start(std::unique_ptr<program::Source> main, const AxisVector& machine_position);
 
   /// Produces the next operation. Never blocks, never throws on bad input: misuse is an Alarm operation.
   Pull next(Operation& out);
 
-  /// The controller's RESET: modal state as its parameters say; the program is left. Position: where the axes stand.
+  /// The controller's RESET: modal state as its parameters say; the program is left. Position: where the axes
+  /// stand.
   void reset(const AxisVector& machine_position);
 
   /// Where the axes really stand, when a move did not end as programmed (skip, manual intervention, abort).
   void set_position(const AxisVector& machine_position);
 
   const ModalSnapshot& modal() const;
-  /// Absolute position page for a machine position, under the state in `modal`: programming units, X as diameter.
+  /// Absolute position page for a machine position, under the state in `modal`: programming units, X as
+  /// diameter.
   AxisVector to_work(const AxisVector& machine_position, const ModalSnapshot& modal) const;
 
  private:

@@ -33,7 +33,8 @@ class Reader {
   void axis_values(const Json& object, const std::string& where, AxisVector& out) {
     if (!object.is_object()) return fail(where, "must be an object of axis letters");
     for (const auto& [key, value] : object.items()) {
-      const auto axis = key.size() == 1 ? std::find(axis_names_.begin(), axis_names_.end(), key[0]) : axis_names_.end();
+      const auto axis =
+          key.size() == 1 ? std::find(axis_names_.begin(), axis_names_.end(), key[0]) : axis_names_.end();
       if (axis == axis_names_.end()) return fail(where + "/" + key, "the machine has no such axis");
       out[static_cast<std::size_t>(axis - axis_names_.begin())] = number(value, where + "/" + key);
     }
@@ -44,8 +45,8 @@ class Reader {
     if (name.size() == 3 && name.compare(0, 2, "G5") == 0 && name[2] >= '4' && name[2] <= '9') {
       return &data.work[static_cast<std::size_t>(name[2] - '4')];
     }
-    if (name.size() > 6 && name.compare(0, 6, "G54.1P") == 0 && name.find_first_not_of("0123456789", 6) == name.npos &&
-        name.size() < 9) {
+    if (name.size() > 6 && name.compare(0, 6, "G54.1P") == 0 &&
+        name.find_first_not_of("0123456789", 6) == name.npos && name.size() < 9) {
       const int p = std::stoi(name.substr(6));
       if (p >= 1 && p <= 48) return &data.work_extra[static_cast<std::size_t>(p - 1)];
     }
@@ -97,7 +98,8 @@ std::optional<Json> parse(const std::string& text, std::string& mistake) {
 
 Json axis_object(const AxisVector& values, const std::vector<char>& names) {
   Json object = Json::object();
-  for (std::size_t i = 0; i < names.size() && i < values.size(); ++i) object[std::string(1, names[i])] = values[i];
+  for (std::size_t i = 0; i < names.size() && i < values.size(); ++i)
+    object[std::string(1, names[i])] = values[i];
   return object;
 }
 
@@ -113,7 +115,8 @@ double MachineData::parameter(std::string_view number, double otherwise) const {
   return found == parameters.end() ? otherwise : found->second;
 }
 
-std::string load_offsets(const std::string& json_text, const std::vector<char>& axis_names, MachineData& into) {
+std::string load_offsets(const std::string& json_text, const std::vector<char>& axis_names,
+                         MachineData& into) {
   std::string mistake;
   const auto root = parse(json_text, mistake);
   if (!root) return mistake;
@@ -132,7 +135,8 @@ std::string load_offsets(const std::string& json_text, const std::vector<char>& 
       }
     } else if (key == "tools" && value.is_object()) {
       for (const auto& [name, tool] : value.items()) {
-        const bool digits = !name.empty() && name.size() < 5 && name.find_first_not_of("0123456789") == name.npos;
+        const bool digits =
+            !name.empty() && name.size() < 5 && name.find_first_not_of("0123456789") == name.npos;
         const std::size_t number = digits ? static_cast<std::size_t>(std::stoul(name)) : 0;
         if (number == 0 || number >= kMostTools) return "tools/" + name + ": must be a number from 1 to 999";
         if (read.tools.size() <= number) read.tools.resize(number + 1);
@@ -157,7 +161,8 @@ std::string load_parameters(const std::string& json_text, MachineData& into) {
   auto read = into.parameters;
   for (const auto& [key, value] : root->items()) {
     if (value.is_object()) {  // one value an axis: {"1241": {"X": 100}}
-      for (const auto& [axis, one] : value.items()) read[key + "/" + axis] = reader.number(one, key + "/" + axis);
+      for (const auto& [axis, one] : value.items())
+        read[key + "/" + axis] = reader.number(one, key + "/" + axis);
     } else {
       read[key] = value.is_boolean() ? (value.get<bool>() ? 1 : 0) : reader.number(value, key);
     }

@@ -1,5 +1,6 @@
-// What a controller remembers between programs and an operator edits: offsets, parameters, common variables. The
-// interpreter reads it and, by G10 and system variables, writes it; every write is reported so that it can be stored.
+// What a controller remembers between programs and an operator edits: offsets, parameters, common variables.
+// The interpreter reads it and, by G10 and system variables, writes it; every write is reported so that it
+// can be stored.
 #pragma once
 
 #include <array>
@@ -16,26 +17,27 @@ namespace headstock::interp {
 
 using machine::AxisVector;
 
-/// One row of the tool offset page. Lathe: geometry and wear per axis, nose radius and tip. Mill: length and radius.
+/// One row of the tool offset page. Lathe: geometry and wear per axis, nose radius and tip. Mill: length and
+/// radius.
 struct ToolOffset {
-  AxisVector geometry{};      ///< mm, X as the page shows it (diameter where the axis is diameter-programmed)
-  AxisVector wear{};          ///< mm
-  double radius = 0;          ///< nose or cutter radius, geometry [mm]
-  double radius_wear = 0;     ///< mm
-  int tip = 0;                ///< imaginary tool nose 0…9
+  AxisVector geometry{};   ///< mm, X as the page shows it (diameter where the axis is diameter-programmed)
+  AxisVector wear{};       ///< mm
+  double radius = 0;       ///< nose or cutter radius, geometry [mm]
+  double radius_wear = 0;  ///< mm
+  int tip = 0;             ///< imaginary tool nose 0…9
 };
 
 struct MachineData {
-  std::vector<ToolOffset> tools;                       ///< index = offset number; [0] is always zero
+  std::vector<ToolOffset> tools;  ///< index = offset number; [0] is always zero
   /// Zero offsets as the page shows them: mm, X as a diameter where the axis is diameter-programmed.
-  std::array<AxisVector, 6> work{};                    ///< G54…G59
-  std::array<AxisVector, 48> work_extra{};             ///< G54.1 P1…P48
-  AxisVector work_external{};                          ///< EXT; added to all of them
-  AxisVector work_shift{};                             ///< lathe: moves the origin of all of them
+  std::array<AxisVector, 6> work{};         ///< G54…G59
+  std::array<AxisVector, 48> work_extra{};  ///< G54.1 P1…P48
+  AxisVector work_external{};               ///< EXT; added to all of them
+  AxisVector work_shift{};                  ///< lathe: moves the origin of all of them
   /// By the manual's number: "1401", "1401#1" for bits, "1241/X" for one axis; absent = default.
   std::map<std::string, double, std::less<>> parameters;
-  std::map<std::uint32_t, double> common_variables;    ///< #100…#199, #500…#999; absent = null
-  std::uint64_t version = 0;                           ///< grows with every change
+  std::map<std::uint32_t, double> common_variables;  ///< #100…#199, #500…#999; absent = null
+  std::uint64_t version = 0;                         ///< grows with every change
 
   /// A parameter, or `otherwise` when it is not set.
   double parameter(std::string_view number, double otherwise = 0) const;
@@ -44,15 +46,17 @@ struct MachineData {
 
 /// Something a program changed (G10, a system variable, a cycle's write-back).
 struct DataChange {
-  std::string what;           ///< "tool/3/geometry/X", "work/G54/Z", "parameter/3402#0", "variable/500"
+  std::string what;  ///< "tool/3/geometry/X", "work/G54/Z", "parameter/3402#0", "variable/500"
   double before = 0;
   double after = 0;
 };
 using DataChanged = std::function<void(const DataChange&)>;
 
-/// Offsets and parameters in JSON (`--offsets`, `--params`; the format is described in interpreter/README.md).
+/// Offsets and parameters in JSON (`--offsets`, `--params`; the format is described in
+/// interpreter/README.md).
 /// @return empty on success, otherwise what is wrong and where.
-std::string load_offsets(const std::string& json_text, const std::vector<char>& axis_names, MachineData& into);
+std::string load_offsets(const std::string& json_text, const std::vector<char>& axis_names,
+                         MachineData& into);
 std::string load_parameters(const std::string& json_text, MachineData& into);
 std::string offsets_to_json(const MachineData& data, const std::vector<char>& axis_names);
 

@@ -8,7 +8,9 @@ namespace headstock::interp {
 
 using program::kNano;
 
-std::optional<std::size_t> Executor::axis_named(char name) const { return machine.axis_index(name); }
+std::optional<std::size_t> Executor::axis_named(char name) const {
+  return machine.axis_index(name);
+}
 
 std::int64_t Executor::round_to(std::int64_t value, std::int64_t increment) const {
   if (dialect.numbers.rounding == dialects::Rounding::truncate) return value - value % increment;
@@ -46,7 +48,8 @@ double Executor::to_machine(std::size_t axis, std::int64_t position) const {
 void Executor::set_axis_machine(std::size_t axis, double machine_position) {
   machine_now[axis] = machine_position;
   const double work = (machine_position - modal.work_zero[axis]) / axes[axis].mm_per_unit;
-  // What moved the axis here was exact in least increments of this or of another unit: keep 1e-6 of them, no dust.
+  // What moved the axis here was exact in least increments of this or of another unit: keep 1e-6 of them, no
+  // dust.
   axes[axis].position = std::llround(work * 1e7) * 100;
   work_now[axis] = static_cast<double>(axes[axis].position) / 1e9;
 }
@@ -56,7 +59,8 @@ void Executor::update_zero(std::size_t i) {
   axis.zero_external = page_to_slide(i, data.work_external[i] + data.work_shift[i]);
   const AxisVector& work = work_is_extra ? data.work_extra[work_index] : data.work[work_index];
   axis.zero_work = page_to_slide(i, work[i]);
-  modal.work_zero[i] = axis.zero_external + axis.zero_work + axis.zero_shift + axis.zero_local + axis.zero_tool;
+  modal.work_zero[i] =
+      axis.zero_external + axis.zero_work + axis.zero_shift + axis.zero_local + axis.zero_tool;
   set_axis_machine(i, machine_now[i]);
 }
 
@@ -124,7 +128,8 @@ void Executor::fill_motion(Motion& motion, std::uint32_t moved) {
   motion.exact_stop = exact_stop_once || exact_stop_mode;
 }
 
-bool Executor::emit_rapid_to_machine(const AxisVector& target, std::uint32_t moved, bool machine_coordinates) {
+bool Executor::emit_rapid_to_machine(const AxisVector& target, std::uint32_t moved,
+                                     bool machine_coordinates) {
   for (std::uint32_t left = moved; left != 0; left &= left - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(left));
     set_axis_machine(i, target[i]);
@@ -165,6 +170,11 @@ bool Executor::cutting_feed(double path_mm, double& value, FeedUnit& unit) {
 }
 
 bool Executor::feed() {
+  if (const std::uint32_t corner = block.words & dialect.corner_words;
+      corner != 0 && code->handler != nullptr && code->tenths == 10) {
+    const char letter = static_cast<char>('A' + std::countr_zero(corner));
+    return alarm(AlarmReason::g_unavailable, block[letter].column, std::string("G01 ") + letter);
+  }
   const AxisVector from = machine_now;
   std::uint32_t moved = 0;
   if (!take_targets(moved)) return false;

@@ -11,7 +11,8 @@ namespace {
 double reference_point(const Executor& ex, std::size_t axis, std::int64_t which) {
   if (which == 1) return ex.machine.axes[axis].reference_mm;
   const std::string parameter = std::to_string(1239 + which) + '/' + ex.axes[axis].name;
-  return ex.page_to_slide(axis, ex.data.parameter(parameter, ex.machine.axes[axis].reference_mm / ex.axes[axis].diameter));
+  return ex.page_to_slide(
+      axis, ex.data.parameter(parameter, ex.machine.axes[axis].reference_mm / ex.axes[axis].diameter));
 }
 
 // Rapid to the block's point, which is kept per axis for G29.
@@ -48,7 +49,9 @@ bool to_reference(Executor& ex, std::int64_t which) {
 
 }  // namespace
 
-bool reference_return(Executor& ex) { return to_reference(ex, 1); }
+bool reference_return(Executor& ex) {
+  return to_reference(ex, 1);
+}
 
 bool reference_return_n(Executor& ex) {
   std::int64_t which = 2;

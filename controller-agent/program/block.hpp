@@ -1,5 +1,5 @@
-// One block as the lexer leaves it: words with their exact decimals and their columns. No allocation; reused for every
-// block of a program.
+// One block as the lexer leaves it: words with their exact decimals and their columns. No allocation; reused
+// for every block of a program.
 #pragma once
 
 #include <array>
@@ -9,9 +9,13 @@
 namespace headstock::program {
 
 /// Index of an address letter, 'A'…'Z' → 0…25.
-constexpr unsigned letter_index(char letter) { return static_cast<unsigned>(letter - 'A'); }
+constexpr unsigned letter_index(char letter) {
+  return static_cast<unsigned>(letter - 'A');
+}
 /// Bit of an address letter in a mask.
-constexpr std::uint32_t letter_bit(char letter) { return 1u << letter_index(letter); }
+constexpr std::uint32_t letter_bit(char letter) {
+  return 1u << letter_index(letter);
+}
 /// Mask of several letters: letters("XYZ").
 constexpr std::uint32_t letters(const char* text) {
   std::uint32_t mask = 0;
@@ -30,7 +34,8 @@ inline constexpr std::array<std::int64_t, 19> kPowerOfTen = [] {
   return powers;
 }();
 
-/// Positions are counted in these: 1e-9 of the programming unit (mm, inch, degree). Exact for every decimal word.
+/// Positions are counted in these: 1e-9 of the programming unit (mm, inch, degree). Exact for every decimal
+/// word.
 inline constexpr int kNanoDecimals = 9;
 inline constexpr std::int64_t kNano = 1'000'000'000;
 
@@ -43,9 +48,7 @@ struct Word {
   std::uint32_t column = 0;      ///< 1-based, of the address letter
 
   /// The number as written, correctly rounded: "1250" → 1250, "1.25" → 1.25.
-  double value() const {
-    return static_cast<double>(digits) / static_cast<double>(kPowerOfTen[decimals]);
-  }
+  double value() const { return static_cast<double>(digits) / static_cast<double>(kPowerOfTen[decimals]); }
   /// In 1e-9 of the unit the point stands for. Exact. Precondition: |value| < 1e9.
   std::int64_t nano() const { return digits * kPowerOfTen[kNanoDecimals - decimals]; }
   /// Whole part; fractions are cut.
@@ -70,15 +73,15 @@ struct Block {
   std::array<Code, kMostCodes> m;
   std::uint8_t g_count = 0;
   std::uint8_t m_count = 0;
-  bool m_pointed = false;           ///< an M code was written with a point
-  bool has_sequence = false;        ///< N word present
-  bool has_number = false;          ///< O word (or `:`) present
-  std::uint32_t sequence = 0;       ///< N word
+  bool m_pointed = false;      ///< an M code was written with a point
+  bool has_sequence = false;   ///< N word present
+  bool has_number = false;     ///< O word (or `:`) present
+  std::uint32_t sequence = 0;  ///< N word
   std::uint32_t sequence_column = 0;
-  std::uint32_t number = 0;         ///< O word
+  std::uint32_t number = 0;  ///< O word
   std::uint32_t number_column = 0;
-  std::uint32_t skip = 0;           ///< bit n: `/n` stands at the head of the block; plain `/` is bit 1
-  std::uint32_t inner_slash = 0;    ///< column of a slash that is not at the head; 0: none
+  std::uint32_t skip = 0;         ///< bit n: `/n` stands at the head of the block; plain `/` is bit 1
+  std::uint32_t inner_slash = 0;  ///< column of a slash that is not at the head; 0: none
 
   bool has(char letter) const { return (words & letter_bit(letter)) != 0; }
   const Word& operator[](char letter) const { return word[letter_index(letter)]; }

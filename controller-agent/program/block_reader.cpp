@@ -20,7 +20,8 @@ std::size_t find(const char* data, std::size_t from, std::size_t to, char wanted
 BlockReader::BlockReader(std::unique_ptr<Source> source, std::size_t longest_line)
     : source_(std::move(source)), longest_line_(longest_line), buffer_(longest_line + kChunkBytes) {}
 
-// Makes room and reads once. Both line-end caches stay right: they are moved, or searched on from the old end.
+// Makes room and reads once. Both line-end caches stay right: they are moved, or searched on from the old
+// end.
 LineStatus BlockReader::fill() {
   if (at_end_) return LineStatus::end;
   if (begin_ > 0 && buffer_.size() - end_ < kChunkBytes) {
@@ -60,7 +61,8 @@ void BlockReader::deliver(std::size_t length, std::size_t terminator, Line& out)
 
 LineStatus BlockReader::next(Line& out) {
   for (;;) {
-    while (begin_ < end_ && ((skip_cr_ && buffer_[begin_] == '\r') || (skip_lf_ && buffer_[begin_] == '\n'))) {
+    while (begin_ < end_ &&
+           ((skip_cr_ && buffer_[begin_] == '\r') || (skip_lf_ && buffer_[begin_] == '\n'))) {
       skip_cr_ = skip_cr_ || skip_lf_;
       skip_lf_ = false;
       ++begin_;
@@ -90,9 +92,11 @@ LineStatus BlockReader::next(Line& out) {
 }
 
 bool BlockReader::seek(std::uint64_t byte_offset, std::uint32_t line_number) {
-  line_number_ = line_number;
-  skip_cr_ = skip_lf_ = false;
-  if (byte_offset >= base_offset_ && byte_offset <= base_offset_ + end_) {  // a short loop stays in the buffer
+  // A short loop stays in the buffer; but a stream cannot go back, whatever its buffer happens to hold.
+  if (byte_offset >= base_offset_ && byte_offset <= base_offset_ + end_) {
+    if (!source_->seek(base_offset_ + end_)) return false;
+    line_number_ = line_number;
+    skip_cr_ = skip_lf_ = false;
     begin_ = static_cast<std::size_t>(byte_offset - base_offset_);
     next_lf_ = find(buffer_.data(), begin_, end_, '\n');
     next_cr_ = find(buffer_.data(), begin_, end_, '\r');
@@ -101,6 +105,8 @@ bool BlockReader::seek(std::uint64_t byte_offset, std::uint32_t line_number) {
   if (!source_->seek(byte_offset)) return false;
   begin_ = end_ = next_lf_ = next_cr_ = 0;
   base_offset_ = byte_offset;
+  line_number_ = line_number;
+  skip_cr_ = skip_lf_ = false;
   at_end_ = false;
   return true;
 }

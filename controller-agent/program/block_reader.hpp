@@ -47,14 +47,14 @@ class BlockReader {
   std::unique_ptr<Source> source_;
   std::size_t longest_line_;
   std::vector<char> buffer_;
-  std::size_t begin_ = 0;              // start of the next line in the buffer
-  std::size_t end_ = 0;                // end of the data in the buffer
-  std::size_t next_lf_ = 0;            // first LF at or after begin_; end_ when there is none
-  std::size_t next_cr_ = 0;            // the same for CR
-  std::uint64_t base_offset_ = 0;      // of buffer_[0] in the source
+  std::size_t begin_ = 0;          // start of the next line in the buffer
+  std::size_t end_ = 0;            // end of the data in the buffer
+  std::size_t next_lf_ = 0;        // first LF at or after begin_; end_ when there is none
+  std::size_t next_cr_ = 0;        // the same for CR
+  std::uint64_t base_offset_ = 0;  // of buffer_[0] in the source
   std::uint32_t line_number_ = 1;
-  bool skip_cr_ = false;               // the last line ended with LF: CRs that follow belong to it
-  bool skip_lf_ = false;               // the last line ended with CR: an LF that follows belongs to it
+  bool skip_cr_ = false;  // the last line ended with LF: CRs that follow belong to it
+  bool skip_lf_ = false;  // the last line ended with CR: an LF that follows belongs to it
   bool at_end_ = false;
 };
 

@@ -6,7 +6,22 @@
 namespace headstock::program {
 namespace {
 
-enum class Kind : std::uint8_t { illegal, letter, digit, blank, open, close, semicolon, slash, percent, sign, point, hash, bracket, colon };
+enum class Kind : std::uint8_t {
+  illegal,
+  letter,
+  digit,
+  blank,
+  open,
+  close,
+  semicolon,
+  slash,
+  percent,
+  sign,
+  point,
+  hash,
+  bracket,
+  colon
+};
 
 constexpr std::array<Kind, 256> kKind = [] {
   std::array<Kind, 256> kinds{};
@@ -14,7 +29,8 @@ constexpr std::array<Kind, 256> kKind = [] {
   for (int c = 'a'; c <= 'z'; ++c) kinds[static_cast<std::size_t>(c)] = Kind::letter;
   for (int c = '0'; c <= '9'; ++c) kinds[static_cast<std::size_t>(c)] = Kind::digit;
   // NUL and DEL are blank tape; a byte-order mark of an editor counts as blank too.
-  for (const int c : {0x00, 0x09, 0x20, 0x7f, 0x0b, 0x0c, 0xef, 0xbb, 0xbf}) kinds[static_cast<std::size_t>(c)] = Kind::blank;
+  for (const int c : {0x00, 0x09, 0x20, 0x7f, 0x0b, 0x0c, 0xef, 0xbb, 0xbf})
+    kinds[static_cast<std::size_t>(c)] = Kind::blank;
   kinds['('] = Kind::open;
   kinds[')'] = Kind::close;
   kinds[';'] = Kind::semicolon;
@@ -28,8 +44,12 @@ constexpr std::array<Kind, 256> kKind = [] {
   return kinds;
 }();
 
-Kind kind_of(char c) { return kKind[static_cast<unsigned char>(c)]; }
-bool is_digit(char c) { return static_cast<unsigned char>(c - '0') < 10; }
+Kind kind_of(char c) {
+  return kKind[static_cast<unsigned char>(c)];
+}
+bool is_digit(char c) {
+  return static_cast<unsigned char>(c - '0') < 10;
+}
 
 struct Number {
   Word word;
@@ -172,7 +192,8 @@ class Scanner {
       const auto d = static_cast<unsigned char>(*at_ - '0');
       if (d < 10) {
         if (++count > rules_.most_digits) return fail(LexError::too_many_digits, letter);
-        if (point && decimals == static_cast<unsigned>(kNanoDecimals)) continue;  // below what any control reads
+        if (point && decimals == static_cast<unsigned>(kNanoDecimals))
+          continue;  // below what any control reads
         digits = digits * 10 + d;
         decimals += point ? 1u : 0u;
       } else if (*at_ == '.') {
@@ -222,7 +243,8 @@ class Scanner {
         return add_code(out_.m, out_.m_count, number, where);
       case 'N':
       case 'O':
-        if (number.negative || word.point || word.digit_count > 9) return fail(LexError::sequence_format, where);
+        if (number.negative || word.point || word.digit_count > 9)
+          return fail(LexError::sequence_format, where);
         if (letter == 'N') {
           out_.has_sequence = true;
           out_.sequence = static_cast<std::uint32_t>(word.digits);
@@ -251,13 +273,15 @@ class Scanner {
     return true;
   }
 
-  bool add_code(std::array<Code, kMostCodes>& codes, std::uint8_t& count, const Number& number, const char* where) {
+  bool add_code(std::array<Code, kMostCodes>& codes, std::uint8_t& count, const Number& number,
+                const char* where) {
     if (number.negative) return fail(LexError::illegal_minus, where);
     if (count == kMostCodes) return fail(LexError::too_many_codes, where);
     const std::int64_t tenths = number.word.nano() / (kNano / 10);
     // Hundredths of a G code mean nothing to any of the controls: kept apart from every real code.
     const bool exact = number.word.nano() % (kNano / 10) == 0;
-    codes[count++] = {exact && tenths < 1'000'000'000 ? static_cast<std::int32_t>(tenths) : -1, column(where)};
+    codes[count++] = {exact && tenths < 1'000'000'000 ? static_cast<std::int32_t>(tenths) : -1,
+                      column(where)};
     return true;
   }
 

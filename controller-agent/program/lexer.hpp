@@ -1,4 +1,5 @@
-// Characters to words: one block of a line, without allocation. Knows number syntax and comments, not what words mean.
+// Characters to words: one block of a line, without allocation. Knows number syntax and comments, not what
+// words mean.
 #pragma once
 
 #include <cstdint>
@@ -32,14 +33,15 @@ class ExpressionReader {
 };
 
 struct LexRules {
-  bool semicolon_is_comment = false;     ///< `;` starts a comment (field files) instead of ending the block
-  std::uint8_t most_digits = 9;          ///< in one word, leading zeros counted; at most 17
+  bool semicolon_is_comment = false;  ///< `;` starts a comment (field files) instead of ending the block
+  std::uint8_t most_digits = 9;       ///< in one word, leading zeros counted; at most 17
   ExpressionReader* expressions = nullptr;
 };
 
 enum class LexStatus : std::uint8_t {
   block,       ///< a block (perhaps an empty one)
-  statement,   ///< a macro statement: starts with `#`, or two letters stand together (IF, WHILE, GOTO, DPRNT …)
+  statement,   ///< a macro statement: starts with `#`, or two letters stand together (IF, WHILE, GOTO, DPRNT
+               ///< …)
   record_end,  ///< `%`
   error
 };
@@ -47,9 +49,10 @@ enum class LexStatus : std::uint8_t {
 struct LexResult {
   LexStatus status = LexStatus::block;
   LexError error = LexError::none;
-  std::uint32_t column = 0;      ///< of the error or the statement, 1-based
-  const char* rest = nullptr;    ///< where the next block of this line begins; the line's end when there is none
-  std::string_view statement;    ///< text of the macro statement
+  std::uint32_t column = 0;  ///< of the error or the statement, 1-based
+  const char* rest =
+      nullptr;  ///< where the next block of this line begins; the line's end when there is none
+  std::string_view statement;  ///< text of the macro statement
 };
 
 /// Reads one block.

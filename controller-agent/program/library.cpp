@@ -49,9 +49,8 @@ bool program_head(std::string_view line, std::uint32_t& number) {
 }
 
 bool same_name(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
-    return std::toupper(x) == std::toupper(y);
-  });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char x, unsigned char y) { return std::toupper(x) == std::toupper(y); });
 }
 
 bool is_number(std::string_view stem, std::uint32_t number) {
@@ -77,7 +76,9 @@ std::unique_ptr<Source> open_in(const std::vector<fs::path>& folders, const Fits
 
 }  // namespace
 
-void FilePrograms::add_folder(fs::path folder) { folders_.push_back(std::move(folder)); }
+void FilePrograms::add_folder(fs::path folder) {
+  folders_.push_back(std::move(folder));
+}
 
 void FilePrograms::add_file(const fs::path& file) {
   if (const auto source = source_from_file(file.string())) index(*source, {file, nullptr, 0, 0});
@@ -114,7 +115,8 @@ void FilePrograms::index(Source& source, const Place& where) {
 std::unique_ptr<Source> FilePrograms::open_number(std::uint32_t number) {
   if (const auto found = places_.find(number); found != places_.end()) {
     const Place& place = found->second;
-    auto whole = place.text != nullptr ? source_from_text(*place.text) : source_from_file(place.file.string());
+    auto whole =
+        place.text != nullptr ? source_from_text(*place.text) : source_from_file(place.file.string());
     if (whole != nullptr) return std::make_unique<Section>(std::move(whole), place.begin, place.end);
   }
   return open_in(folders_, [&](const fs::path& path) { return is_number(path.stem().string(), number); });

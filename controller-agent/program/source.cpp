@@ -53,7 +53,9 @@ class FileSource final : public Source {
 
 }  // namespace
 
-std::unique_ptr<Source> source_from_text(std::string_view text) { return std::make_unique<TextSource>(text); }
+std::unique_ptr<Source> source_from_text(std::string_view text) {
+  return std::make_unique<TextSource>(text);
+}
 
 std::unique_ptr<Source> source_from_file(const std::string& path) {
   std::FILE* file = std::fopen(path.c_str(), "rb");

@@ -18,14 +18,19 @@ enum class ReadStatus {
   failed  ///< the source broke; the interpreter raises the controller's input alarm
 };
 
-struct ReadResult { ReadStatus status = ReadStatus::end; std::size_t bytes = 0; };
+struct ReadResult {
+  ReadStatus status = ReadStatus::end;
+  std::size_t bytes = 0;
+};
 
-/// A stream of program bytes. One thread at a time. `seek` serves GOTO, M99 and rewinding; a drip-feed cannot seek.
+/// A stream of program bytes. One thread at a time. `seek` serves GOTO, M99 and rewinding; a drip-feed cannot
+/// seek.
 class Source {
  public:
   virtual ~Source() = default;
   virtual ReadResult read(std::span<char> buffer) = 0;
-  /// @return false when this source cannot go there (a stream); then the dialect's alarm for jumps in DNC applies.
+  /// @return false when this source cannot go there (a stream); then the dialect's alarm for jumps in DNC
+  /// applies.
   virtual bool seek(std::uint64_t byte_offset) = 0;
 };
 

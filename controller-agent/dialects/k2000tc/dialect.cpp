@@ -10,23 +10,46 @@ Dialect make_k2000tc() {
   using R = AlarmReason;
   Dialect d;
   d.profile = "k2000tc";
-  set_alarm_codes(d, "PS1205",
-                  {{R::no_address, "PS0004"},        {R::no_data, "PS0005"},         {R::minus_sign, "PS0006"},
-                   {R::decimal_point, "PS1202"},     {R::too_many_digits, "PS1204"}, {R::value_range, "PS1204"},
-                   {R::illegal_address, "PS0009"},   {R::duplicate_word, "PS0009"},  {R::absolute_and_incremental, "PS0009"},
-                   {R::block_too_long, "PS0003"},    {R::slash_position, "PS1109"},  {R::program_number, "PS0004"},
-                   {R::input_failed, "PS0086"},      {R::expression, "PS0114"},      {R::statement_unavailable, "PS0114"},
-                   {R::too_many_m, "PS0009"},        {R::feed_missing, "PS0011"},    {R::arc_radius, "PS0200"},
-                   {R::arc_no_center, "PS0329"},     {R::arc_r_too_small, "PS0200"}, {R::arc_plane, "PS0021"},
-                   {R::thread_lead, "PS0014"},       {R::thread_f_and_i, "PS0009"},  {R::reference_check, "PS0092"},
-                   {R::reference_number, "PS0094"},  {R::no_intermediate, "PS0093"}, {R::machine_incremental, "PS0241"},
-                   {R::offset_number, "PS0030"},     {R::data_input, "PS0032"},      {R::data_value, "PS0032"},
-                   {R::call_without_p, "PS0078"},    {R::program_not_found, "PS0078"}, {R::sequence_not_found, "PS0128"},
-                   {R::nesting, "PS0077"},           {R::call_count, "PS0078"}});
+  set_alarm_codes(d, "PS1205", {{R::no_address, "PS0004"},
+                                {R::no_data, "PS0005"},
+                                {R::minus_sign, "PS0006"},
+                                {R::decimal_point, "PS1202"},
+                                {R::too_many_digits, "PS1204"},
+                                {R::value_range, "PS1204"},
+                                {R::illegal_address, "PS0004"},
+                                {R::duplicate_word, "PS0004"},
+                                {R::absolute_and_incremental, "PS0004"},
+                                {R::block_too_long, "PS1204"},
+                                {R::slash_position, "PS1109"},
+                                {R::program_number, "PS0004"},
+                                {R::input_failed, "PS0086"},
+                                {R::expression, "PS0114"},
+                                {R::statement_unavailable, "PS0114"},
+                                {R::too_many_m, "PS0004"},
+                                {R::feed_missing, "PS0011"},
+                                {R::arc_radius, "PS0200"},
+                                {R::arc_no_center, "PS0329"},
+                                {R::arc_r_too_small, "PS0200"},
+                                {R::arc_plane, "PS0021"},
+                                {R::thread_lead, "PS0014"},
+                                {R::thread_f_and_i, "PS0014"},
+                                {R::reference_check, "PS0092"},
+                                {R::reference_number, "PS0094"},
+                                {R::no_intermediate, "PS0093"},
+                                {R::machine_incremental, "PS0241"},
+                                {R::offset_number, "PS0030"},
+                                {R::data_input, "PS0032"},
+                                {R::data_value, "PS0032"},
+                                {R::call_without_p, "PS0078"},
+                                {R::program_not_found, "PS0078"},
+                                {R::sequence_not_found, "PS0128"},
+                                {R::nesting, "PS0077"},
+                                {R::call_count, "PS0078"}});
   add_g_codes(d, tables::gcodes_k2000tc);
   d.incremental_letters[0] = true;
   d.m_rules = usual_m_rules();
-  for (const std::int32_t macro : {91, 92, 93, 94, 96, 97}) d.m_rules.push_back({macro, MAction::unavailable});
+  for (const std::int32_t macro : {91, 92, 93, 94, 96, 97})
+    d.m_rules.push_back({macro, MAction::unavailable});
   d.numbers.decimal_parameter = "P2500.3";  // PODI
   d.numbers.rounding = Rounding::truncate;  // L7160
   d.numbers.most_digits = 17;               // only the digits left after cutting count
@@ -37,6 +60,7 @@ Dialect make_k2000tc() {
   d.threads = {.inch_word = true, .f_and_i_is_alarm = true, .f_is_feed_too = true};
   d.calls = {.nesting = 63, .l_repeats = false, .most_repeats = 9'999};
   d.tools = {.lathe = true, .offset_digits = 2, .sign = 1, .most_offsets = 32};
+  d.corner_words = letters("IJKRCA");
   d.both_forms = BothForms::alarm;
   d.end_of_text = EndOfText::end;  // `%` without M30: reset state (L9340)
   d.inner_slash_is_alarm = true;

@@ -1,4 +1,5 @@
-// 200T/300T economical lathe control: component coordinates, named programs, no alarm numbers in the manual (ours: Axx).
+// 200T/300T economical lathe control: component coordinates, named programs, no alarm numbers in the manual
+// (ours: Axx).
 #include <string>
 
 #include "dialects/build.hpp"
@@ -94,7 +95,8 @@ bool call_name(Executor& ex, std::string_view name, std::string_view rest, std::
   return ex.call(std::move(source), 0, times, column);
 }
 
-// `M98 NT11 P10`: the lexer stops at the two letters of the name. @return false: not such a block, nothing was done.
+// `M98 NT11 P10`: the lexer stops at the two letters of the name. @return false: not such a block, nothing
+// was done.
 bool statement(Executor& ex, std::string_view text, std::uint32_t column) {
   const bool calls = ex.block.m_count == 1 && ex.block.m[0].tenths == 980;
   if (!calls || text.size() < 2 || (text[0] != 'N' && text[0] != 'n')) return false;
@@ -111,15 +113,20 @@ Dialect make_lathe_200t() {
   Dialect d;
   d.profile = "lathe-200t";
   set_alarm_codes(d, "A23",  // "line and reason" of the syntax check
-                  {{R::arc_radius, "A04"}, {R::arc_no_center, "A18"}, {R::arc_r_too_small, "A18"},
-                   {R::nesting, "A05"}, {R::end_of_record, "A05"}, {R::thread_lead, "A19"},
-                   {R::no_start_point, "A20"}, {R::sequence_not_found, "A06"}});
+                  {{R::arc_radius, "A04"},
+                   {R::arc_no_center, "A18"},
+                   {R::arc_r_too_small, "A18"},
+                   {R::nesting, "A05"},
+                   {R::end_of_record, "A05"},
+                   {R::thread_lead, "A19"},
+                   {R::no_start_point, "A20"},
+                   {R::sequence_not_found, "A06"}});
   add_g_codes(d, tables::gcodes_lathe_200t, kOwn);
   for (bool& by_letter : d.incremental_letters) by_letter = true;
-  d.m_rules = {{0, MAction::program_stop}, {1, MAction::unavailable},  {2, MAction::end_m02},
-               {3, MAction::spindle_cw},   {4, MAction::spindle_ccw},  {5, MAction::spindle_stop},
-               {9, MAction::machine_after}, {96, MAction::restart},    {98, MAction::call},
-               {99, MAction::return_},     {901, MAction::unavailable}};  // M30 is an output pulse (L9581)
+  d.m_rules = {{0, MAction::program_stop},  {1, MAction::unavailable},  {2, MAction::end_m02},
+               {3, MAction::spindle_cw},    {4, MAction::spindle_ccw},  {5, MAction::spindle_stop},
+               {9, MAction::machine_after}, {96, MAction::restart},     {98, MAction::call},
+               {99, MAction::return_},      {901, MAction::unavailable}};  // M30 is an output pulse (L9581)
   d.numbers.decimal = Decimal::pocket;
   d.numbers.addresses = letters("DFHIJKLPQRSTUWXYZ");
   d.numbers.pointed = letters("DFIJKPQRUWXYZ");

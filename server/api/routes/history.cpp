@@ -25,10 +25,11 @@ awaitable<Reply> history(Services& s, Call& call, Filter filter, Read read) {
   fill(call, filter);
   const auto page = page_of(call);
   const bool of_path = call.request.parameters.contains("id");
-  const auto list = co_await s.store.run([=](db::Database& db) {
+  const auto look_up = [=](db::Database& db) {
     if (of_path) fleet::require_machine(db, filter.machine);
     return read(db, filter, page);
-  });
+  };
+  const auto list = co_await s.store.run(look_up);
   co_return json_reply(list_json(list));
 }
 

@@ -155,12 +155,13 @@ std::string read_whole(const db::Blobs& blobs, const std::string& sha256) {
 }
 
 awaitable<json> difference(Services& s, db::RevisionRow left, db::RevisionRow right, std::int64_t context) {
-  co_return co_await s.workers.run([&s, left, right, context] {
+  const auto compare = [&s, left, right, context] {
     library::DiffOptions options;
     options.context = context;
     return to_json(library::compare(read_whole(s.blobs, left.blob.sha256), left.blob.encoding,
                                     read_whole(s.blobs, right.blob.sha256), right.blob.encoding, options));
-  });
+  };
+  co_return co_await s.workers.run(compare);
 }
 
 awaitable<json> check(Services& s, access::Actor actor, std::int64_t program, std::int64_t revision,
