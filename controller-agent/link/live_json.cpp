@@ -76,7 +76,8 @@ json alarm_json(const ActiveAlarm& alarm) {
           {"since_ms", alarm.raised_ms},
           {"line", alarm.at.line},
           {"column", alarm.at.column},
-          {"program", alarm.at.program ? json(std::string("O").append(std::to_string(alarm.at.program))) : json(nullptr)}};
+          {"program", alarm.at.program ? json(std::string("O").append(std::to_string(alarm.at.program)))
+                                       : json(nullptr)}};
 }
 
 struct ToKindAndBody {

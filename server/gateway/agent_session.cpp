@@ -1,0 +1,429 @@
+#include "server/gateway/agent_session.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+
+#include "protocol/wire/certificates.hpp"
+#include "protocol/wire/digest.hpp"
+#include "protocol/wire/tls.hpp"
+
+namespace headstock::server {
+namespace {
+
+namespace asio = boost::asio;
+using nlohmann::json;
+using std::chrono::milliseconds;
+using wire::Type;
+
+constexpr std::size_t kMaxEventBatches = 4, kMaxEvents = 256;
+constexpr std::size_t kMaxReadBack = 64u << 20;
+/// An agent that sends live states faster than agreed is thinned out, not trusted.
+constexpr milliseconds kLeastLiveInterval{50};
+/// How long an older connection may take to prove that it still lives.
+constexpr milliseconds kProofLimit{1'500};
+constexpr milliseconds kReadBackLimit{60'000};
+
+std::int64_t now_ms() {
+  return std::chrono::duration_cast<milliseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+AgentSession::AgentSession(std::shared_ptr<SessionOwner> owner, std::shared_ptr<wire::Connection> connection)
+    : owner_(std::move(owner)),
+      connection_(std::move(connection)),
+      to_store_(connection_->executor()),
+      tick_(connection_->executor()) {}
+
+void AgentSession::refuse(const std::string& reason, const std::string& text) {
+  connection_->send(Type::refuse, 0, wire::encode(wire::Refuse{reason, text, {wire::kVersion}}));
+  connection_->finish(reason + (text.empty() ? "" : ": " + text));
+}
+
+asio::awaitable<void> AgentSession::run() {
+  const auto self = shared_from_this();
+  const std::string peer = connection_->peer();
+  // From here to hello or enrol one limit holds: whoever only connects does not stay.
+  auto watching = [self] { return self->watch(); };
+  asio::co_spawn(connection_->executor(), watching, asio::detached);
+  try {
+    if (co_await connection_->handshake(asio::ssl::stream_base::server, owner_->options().handshake_limit) &&
+        !owner_->stopped()) {
+      if (wire::peer_certificate(connection_->tls()).empty()) {
+        co_await enrol();
+      } else if (co_await identify() && co_await greet()) {
+        wire::Frame frame;
+        while (co_await connection_->receive(frame)) {
+          if (owner_->stopped()) break;
+          handle(frame);
+        }
+      }
+    }
+  } catch (const std::exception& error) {
+    connection_->close(std::string("error: ") + error.what());
+  }
+  // A refusal on its way out needs its connection read to the end.
+  wire::Frame rest;
+  while (co_await connection_->receive(rest)) connection_->close("ended");
+  const std::string reason = connection_->reason();
+  give_up_answers();
+  to_store_.notify();
+  tick_.notify();
+  if (greeted_) {
+    greeted_ = false;
+    spdlog::warn("gateway: machine {} at {} disconnected: {}", machine_, peer, reason);
+    owner_->gone(self);
+  } else {
+    spdlog::warn("gateway: connection from {} ended: {}", peer, reason);
+  }
+}
+
+// ---- who is it
+
+asio::awaitable<void> AgentSession::enrol() {
+  wire::Frame frame;
+  if (!co_await connection_->receive(frame)) co_return;
+  wire::Enrol request;
+  if (frame.type != Type::enrol)
+    co_return refuse("certificate_required", "only enrolment without a certificate");
+  if (const std::string wrong = wire::decode(frame.body, request); !wrong.empty())
+    co_return connection_->close("enrol: " + wrong);
+  const std::int64_t machine = co_await owner_->host().redeem_token(request.token);
+  if (owner_->stopped()) co_return;
+  if (machine <= 0) co_return refuse("bad_token", "the token is unknown, used or expired; make a new one");
+  wire::IssuedCertificate issued;
+  try {
+    issued = owner_->sign(request.request_pem, machine);
+  } catch (const wire::CertificateError& bad) {
+    co_return refuse("bad_request", bad.what());
+  }
+  co_await owner_->host().certificate_issued(machine, issued.serial_hex);
+  const std::string name = co_await owner_->host().machine_name(machine);
+  if (owner_->stopped()) co_return;
+  // The old certificate is revoked: whoever is connected with it goes.
+  if (const auto older = owner_->session_of(machine))
+    older->refuse("revoked", "the machine was enrolled again");
+  connection_->send(Type::enrolled, 0,
+                    wire::encode(wire::Enrolled{issued.pem, owner_->ca_pem(), machine, name}));
+  spdlog::info("gateway: machine {} \"{}\" enrolled from {}", machine, name, connection_->peer());
+  connection_->finish("enrolled");
+}
+
+asio::awaitable<bool> AgentSession::identify() {
+  const auto info = wire::read_certificate(wire::peer_certificate(connection_->tls()));
+  const std::int64_t machine = wire::machine_of_name(info.common_name);
+  if (machine == 0) {
+    refuse("not_an_agent", "a certificate of " + info.common_name);
+    co_return false;
+  }
+  serial_ = info.serial_hex;
+  machine_ = machine;
+  const bool valid = co_await owner_->host().certificate_valid(machine, serial_);
+  if (owner_->stopped()) co_return false;
+  if (!valid) refuse("revoked", "this certificate was replaced or the machine removed");
+  co_return valid;
+}
+
+asio::awaitable<bool> AgentSession::takes_the_place() {
+  const auto older = owner_->session_of(machine_);
+  if (!older) co_return true;
+  // A machine that lost its link comes back before the old connection is noticed as dead: ask it.
+  const auto asked = wire::Connection::Clock::now();
+  older->connection()->send(Type::ping, 0, wire::encode(wire::Ping{++older->pings_, now_ms()}));
+  while (older->open() && connection_->open() && older->connection()->last_heard() < asked &&
+         wire::Connection::Clock::now() - asked < kProofLimit)
+    co_await tick_.wait_for(milliseconds(20));
+  if (owner_->stopped()) co_return false;
+  if (older->open() && older->connection()->last_heard() >= asked) {
+    spdlog::error("gateway: machine {}: {} uses the identity of {}, which still answers", machine_,
+                  connection_->peer(), older->connection()->peer());
+    refuse("identity_in_use", "another agent with this certificate is connected");
+    co_return false;
+  }
+  older->connection()->close("replaced by a newer connection");
+  owner_->gone(older);
+  co_return true;
+}
+
+asio::awaitable<bool> AgentSession::greet() {
+  wire::Frame frame;
+  if (!co_await connection_->receive(frame)) co_return false;
+  wire::Hello hello;
+  if (frame.type != Type::hello) {
+    connection_->close("the first message is no hello");
+    co_return false;
+  }
+  if (const std::string wrong = wire::decode(frame.body, hello); !wrong.empty()) {
+    connection_->close("hello: " + wrong);
+    co_return false;
+  }
+  if (std::ranges::find(hello.versions, std::uint64_t{wire::kVersion}) == hello.versions.end()) {
+    refuse("version", "no version of the link that both sides speak");
+    co_return false;
+  }
+  if (!co_await takes_the_place()) co_return false;
+  spool_id_ = hello.spool_id;
+  greeted_ = true;
+  connection_->send(Type::welcome, 0, wire::encode(wire::Welcome{wire::kVersion, now_ms(), machine_, 0}));
+  spdlog::info("gateway: machine {} \"{}\" connected from {}", machine_, hello.name, connection_->peer());
+  asio::co_spawn(
+      connection_->executor(), [self = shared_from_this()] { return self->store_loop(); }, asio::detached);
+  owner_->greeted(shared_from_this(), hello);
+  co_return true;
+}
+
+asio::awaitable<void> AgentSession::watch() {
+  const auto self = shared_from_this();
+  const GatewayOptions& options = owner_->options();
+  const auto started = wire::Connection::Clock::now();
+  while (connection_->open() && !owner_->stopped()) {
+    co_await tick_.wait_for(options.ping_interval);
+    if (!connection_->open()) break;
+    if (!greeted_) {
+      if (wire::Connection::Clock::now() - started > options.handshake_limit)
+        connection_->close("no hello within the time");
+      continue;
+    }
+    connection_->send(Type::ping, 0, wire::encode(wire::Ping{++pings_, now_ms()}));
+    if (connection_->silence() > options.silence_limit) connection_->close("nothing heard from the agent");
+  }
+}
+
+// ---- what it says
+
+template <class Message, class Handler>
+void AgentSession::with(const wire::Frame& frame, Handler handler) {
+  Message message;
+  const std::string wrong = wire::decode(frame.body, message);
+  if (wrong.empty())
+    handler(message);
+  else
+    connection_->close("message " + std::to_string(static_cast<int>(frame.type)) + ": " + wrong);
+}
+
+bool AgentSession::json_body(const wire::Frame& frame, json& body) {
+  std::string wrong = wire::decode_json(frame.body, body);
+  if (wrong.empty() && !body.is_object()) wrong = "not a map";
+  if (!wrong.empty())
+    connection_->close("message " + std::to_string(static_cast<int>(frame.type)) + ": " + wrong);
+  return wrong.empty();
+}
+
+void AgentSession::handle(const wire::Frame& frame) {
+  switch (frame.type) {
+    case Type::ping:
+      connection_->send(Type::pong, 0, frame.body);
+      break;
+    case Type::live: {
+      const auto now = wire::Connection::Clock::now();
+      json live;
+      if (now - last_live_ < kLeastLiveInterval || !json_body(frame, live)) break;
+      last_live_ = now;
+      owner_->host().live(machine_, std::move(live));
+      break;
+    }
+    case Type::events:
+      on_events(frame);
+      break;
+    case Type::census: {
+      json census;
+      if (!json_body(frame, census)) break;
+      census_ = census.value("programs", json::array());
+      if (!census_->is_array()) return connection_->close("census: programs: not a list");
+      to_store_.notify();
+      break;
+    }
+    case Type::command_result:
+      with<wire::CommandResult>(frame, [&](const auto& m) {
+        const auto found = answers_.find(m.id);
+        if (found == answers_.end()) return;  // too late
+        found->second->answer = {m.accepted, m.reason};
+        found->second->done = true;
+        found->second->arrived.notify();
+      });
+      break;
+    case Type::credit:
+    case Type::drip_resume:
+      with<wire::Credit>(frame, [&](const auto& m) { owner_->on_credit(*this, frame, m); });
+      break;
+    case Type::transfer_result:
+      with<wire::TransferResult>(frame, [&](const auto& m) { on_result(m); });
+      break;
+    case Type::data:
+    case Type::data_end:
+      on_data(frame);
+      break;
+    case Type::renew:
+      with<wire::Enrol>(frame, [&](const auto& m) { renew(m); });
+      break;
+    case Type::certificate_stored:
+      with<wire::CertificateStored>(frame, [&](const auto& m) {
+        if (renewed_serial_.empty() || m.serial != renewed_serial_) return;
+        asio::co_spawn(
+            connection_->executor(),
+            [self = shared_from_this(), serial = m.serial] { return self->certificate_stored(serial); },
+            asio::detached);
+      });
+      break;
+    default:
+      break;  // a type of a newer agent
+  }
+}
+
+void AgentSession::on_events(const wire::Frame& frame) {
+  json body;
+  if (!json_body(frame, body)) return;
+  json events = body.value("events", json());
+  if (!events.is_array() || events.empty() || events.size() > kMaxEvents)
+    return connection_->close("events: not a list of 1…256");
+  std::uint64_t last = 0;
+  for (const json& event : events) {
+    const bool sound = event.is_object() && event.contains("seq") && event["seq"].is_number_unsigned() &&
+                       event.contains("at_ms") && event["at_ms"].is_number_integer() &&
+                       event.contains("kind") && event["kind"].is_string() &&
+                       event["seq"].get<std::uint64_t>() > last;
+    if (!sound) return connection_->close("events: seq, at_ms or kind missing or out of order");
+    last = event["seq"].get<std::uint64_t>();
+  }
+  if (events_.size() >= kMaxEventBatches) return connection_->close("more events than were acknowledged");
+  events_.push_back(std::move(events));
+  to_store_.notify();
+}
+
+/// Hands events and census to the store, one after the other; the connection goes on being read meanwhile.
+asio::awaitable<void> AgentSession::store_loop() {
+  const auto self = shared_from_this();
+  while (open() && !owner_->stopped()) {
+    try {
+      if (!events_.empty()) {
+        json batch = std::move(events_.front());
+        events_.pop_front();
+        const std::uint64_t committed = co_await owner_->host().events(machine_, spool_id_, std::move(batch));
+        connection_->send(Type::events_ack, 0, wire::encode(wire::EventsAck{committed}));
+      } else if (census_) {
+        json programs = std::move(*census_);
+        census_.reset();
+        co_await owner_->host().census(machine_, std::move(programs));
+      } else {
+        co_await to_store_.wait();
+      }
+    } catch (const std::exception& error) {
+      connection_->close(std::string("the store refused what the machine reported: ") + error.what());
+    }
+  }
+}
+
+// ---- answers
+
+asio::awaitable<MachineAnswer> AgentSession::ask(Type type, wire::Command command) {
+  const auto self = shared_from_this();
+  const std::uint64_t id = command.id = ++asked_;
+  const auto answer = std::make_shared<Answer>(connection_->executor());
+  answers_[id] = answer;
+  connection_->send(type, 0, wire::encode(command));
+  const auto until = wire::Connection::Clock::now() + owner_->options().command_limit;
+  while (!answer->done) {
+    const auto left = until - wire::Connection::Clock::now();
+    if (left <= left.zero()) break;
+    co_await answer->arrived.wait_for(std::chrono::ceil<milliseconds>(left));
+  }
+  answers_.erase(id);
+  co_return answer->done ? answer->answer : MachineAnswer{false, "timeout"};
+}
+
+asio::awaitable<ProgramText> AgentSession::get(std::uint64_t transfer, std::string name) {
+  const auto self = shared_from_this();
+  const std::uint32_t stream = next_stream();
+  const auto reading = std::make_shared<Reading>(connection_->executor());
+  reading->program.name = name;
+  reading->program.reason = "timeout";
+  readings_[stream] = reading;
+  reading_streams_[transfer] = stream;
+  connection_->send(Type::program_get, stream, wire::encode(wire::ProgramGet{transfer, name}));
+  const auto until = wire::Connection::Clock::now() + kReadBackLimit;
+  while (!reading->done) {
+    const auto left = until - wire::Connection::Clock::now();
+    if (left <= left.zero()) break;
+    co_await reading->arrived.wait_for(std::chrono::ceil<milliseconds>(left));
+  }
+  readings_.erase(stream);
+  reading_streams_.erase(transfer);
+  co_return std::move(reading->program);
+}
+
+void AgentSession::on_data(const wire::Frame& frame) {
+  const auto found = readings_.find(frame.stream);
+  if (found == readings_.end()) return;
+  const auto reading = found->second;
+  ProgramText& program = reading->program;
+  if (frame.type == Type::data) {
+    if (program.text.size() + frame.body.size() > kMaxReadBack)
+      return connection_->close("a program longer than may be read back");
+    program.text += frame.body;
+    return;
+  }
+  with<wire::DataEnd>(frame, [&](const wire::DataEnd& end) {
+    program.sha256 = wire::sha256_hex(program.text);
+    program.ok = end.bytes == program.text.size() && end.sha256 == program.sha256;
+    program.reason = program.ok ? "" : "bad_hash";
+    if (!program.ok) program.text.clear();
+    reading->done = true;
+    reading->arrived.notify();
+  });
+}
+
+void AgentSession::on_result(const wire::TransferResult& result) {
+  const auto found = reading_streams_.find(result.transfer);
+  if (found == reading_streams_.end()) return owner_->on_result(*this, result);
+  if (result.ok) return;
+  if (const auto reading = readings_.find(found->second); reading != readings_.end()) {
+    reading->second->program.reason = result.reason;
+    reading->second->done = true;
+    reading->second->arrived.notify();
+  }
+}
+
+void AgentSession::give_up_answers() {
+  for (auto& [id, answer] : answers_) {
+    if (!answer->done) answer->answer = {false, "link_lost"};
+    answer->done = true;
+    answer->arrived.notify();
+  }
+  for (auto& [stream, reading] : readings_) {
+    if (!reading->done) reading->program.reason = "link_lost";
+    reading->done = true;
+    reading->arrived.notify();
+  }
+}
+
+// ---- renewal: the old certificate counts until the agent says that the new one is on its disk
+
+void AgentSession::renew(const wire::Enrol& request) {
+  try {
+    const auto issued = owner_->sign(request.request_pem, machine_);
+    renewed_serial_ = issued.serial_hex;
+    connection_->send(Type::enrolled, 0,
+                      wire::encode(wire::Enrolled{issued.pem, owner_->ca_pem(), machine_, ""}));
+  } catch (const wire::CertificateError& bad) {
+    spdlog::error("gateway: machine {}: certificate not renewed: {}", machine_, bad.what());
+  }
+}
+
+asio::awaitable<void> AgentSession::certificate_stored(std::string serial) {
+  const auto self = shared_from_this();
+  try {
+    co_await owner_->host().certificate_issued(machine_, serial);
+    if (owner_->stopped()) co_return;
+    serial_ = serial;
+    connection_->send(Type::certificate_current, 0, wire::encode(wire::CertificateStored{serial}));
+    spdlog::info("gateway: machine {}: certificate renewed", machine_);
+  } catch (const std::exception& error) {
+    spdlog::error("gateway: machine {}: certificate not renewed: {}", machine_, error.what());
+  }
+}
+
+}  // namespace headstock::server
