@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "offline/offline.hpp"
+#include "offline/simulate.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app{"Headstock: machine-shop programs, machines and controllers", "headstock"};
@@ -10,6 +11,7 @@ int main(int argc, char** argv) {
   headstock::offline::add_interpret(app, exit_status);
   headstock::offline::add_check(app, exit_status);
   headstock::offline::add_profile(app, exit_status);
+  headstock::offline::add_simulate(app, exit_status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -13,9 +13,11 @@ constexpr double kJerkUnlimited = 1e9;
 // Shares of the limits. The rest of the acceleration brakes in a curve taken at its highest speed; the small
 // margins pay for derivatives that change within one period.
 constexpr double kVelocity = 0.9995, kAcceleration = 0.99, kJerk = 0.96;
-constexpr double kBendShare = 0.96;      // of the acceleration for curvature at the highest speed
-constexpr double kTwistShare = 0.4;      // of the jerk for twist at the highest speed
-constexpr double kSmoothingShare = 1.5;  // smoothing time over (acceleration / jerk)
+constexpr double kBendShare = 0.97;      // of the acceleration for curvature at the highest speed
+constexpr double kTwistShare = 0.6;      // of the jerk for twist at the highest speed
+constexpr double kSmoothingShare = 1.0;  // smoothing time over (acceleration / jerk)
+constexpr double kWindowMargin = 0.5;    // periods; a period may begin in one cell and end in another
+constexpr double kMostBendParts = 4, kBlur = 0.1;  // of a bend; share of its reach worth telling apart
 constexpr std::size_t kMostSmoothing = 1024;
 
 }  // namespace
@@ -34,7 +36,7 @@ CellMaker::CellMaker(const machine::Machine& machine) : period_s_(machine.period
   smoothing_periods_ = std::clamp<std::size_t>(
       static_cast<std::size_t>(std::lround(kSmoothingShare * longest / period_s_)), 1, kMostSmoothing);
   smoothing_s_ = static_cast<double>(smoothing_periods_) * period_s_;
-  window_s_ = smoothing_s_ + 2 * period_s_;
+  window_s_ = smoothing_s_ + kWindowMargin * period_s_;
   longest_reach_ = fastest * window_s_;
 }
 
@@ -46,37 +48,49 @@ void CellMaker::reset() {
   newest_ = 0;
 }
 
-void CellMaker::measure(const Span& span, RawCell& cell) {
-  const double h = span.end - span.begin;
+void CellMaker::measure(const Span& span, double from, double to, RawCell& cell) {
+  const double u0 = from - span.begin, h = to - from;
   double speed = kAny;
-  AxisVector twist{};
+  AxisVector bends{}, twist{};
   bool rapid_only = true;
-  while (sections_.size() > 1 && sections_.front().end <= span.begin) sections_.pop_front();
+  while (sections_.size() > 1 && sections_.front().end <= from) sections_.pop_front();
   cell.kind = sections_.front().kind;
   cell.reference_rpm = sections_.front().reference_rpm;
   cell.feed = kAny;
   for (const FeedSection& section : sections_) {
     cell.feed = std::min(cell.feed, section.speed);
     rapid_only = rapid_only && section.kind == FeedKind::rapid;
-    if (section.end >= span.end) break;
+    if (section.end >= to) break;
   }
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const double c1 = span.c[1][i], c2 = span.c[2][i], c3 = span.c[3][i];
+    const double c3 = span.c[3][i], c2 = span.c[2][i] + 3 * c3 * u0;
+    const double c1 = span.c[1][i] + u0 * (2 * span.c[2][i] + 3 * c3 * u0);
     // Bézier points of the first derivative bound it; the second is linear, the third constant.
-    cell.rate[i] =
-        std::max({std::abs(c1), std::abs(c1 + c2 * h), std::abs(c1 + 2 * c2 * h + 3 * c3 * h * h)});
-    cell.bend[i] = std::max(std::abs(2 * c2), std::abs(2 * c2 + 6 * c3 * h));
+    const double r0 = c1, r1 = c1 + c2 * h, r2 = c1 + 2 * c2 * h + 3 * c3 * h * h;
+    const double b0 = 2 * c2, b1 = b0 + 6 * c3 * h;
+    cell.rate[i] = std::max({std::abs(r0), std::abs(r1), std::abs(r2)});
+    const double bend = std::max(std::abs(b0), std::abs(b1));
+    if (std::min({r0, r1, r2}) > 0) {
+      cell.bend_up[i] = std::max(b0, b1);
+      cell.bend_down[i] = std::max(-b0, -b1);
+    } else if (std::max({r0, r1, r2}) < 0) {
+      cell.bend_up[i] = std::max(-b0, -b1);
+      cell.bend_down[i] = std::max(b0, b1);
+    } else {
+      cell.bend_up[i] = cell.bend_down[i] = bend;
+    }
+    bends[i] = bend;
     twist[i] = std::abs(6 * c3);
     const AxisLimits& axis = axes_[i];
     if (cell.rate[i] > 0)
       speed = std::min(speed, (rapid_only ? axis.rapid : std::min(axis.feed, axis.rapid)) / cell.rate[i]);
-    if (cell.bend[i] > 0) speed = std::min(speed, std::sqrt(kBendShare * axis.acceleration / cell.bend[i]));
+    if (bend > 0) speed = std::min(speed, std::sqrt(kBendShare * axis.acceleration / bend));
     if (twist[i] > 0) speed = std::min(speed, std::cbrt(kTwistShare * axis.jerk / twist[i]));
   }
   cell.speed = std::min(speed, cell.feed * kMaxOverride);
   cell.acceleration = kAny;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const double per_acceleration = 3 * cell.bend[i] * cell.speed + 2 * cell.rate[i] / smoothing_s_;
+    const double per_acceleration = 3 * bends[i] * cell.speed + 2 * cell.rate[i] / smoothing_s_;
     if (axes_[i].jerk < kAny && per_acceleration > 0)
       cell.acceleration =
           std::min(cell.acceleration,
@@ -91,28 +105,52 @@ void CellMaker::limit(RawCell& target, const RawCell& by) {
   target.acceleration = std::min(target.acceleration, by.acceleration);
   for (std::size_t i = 0; i < target.rate.size(); ++i) {
     target.rate[i] = std::max(target.rate[i], by.rate[i]);
-    target.bend[i] = std::max(target.bend[i], by.bend[i]);
+    target.bend_up[i] = std::max(target.bend_up[i], by.bend_up[i]);
+    target.bend_down[i] = std::max(target.bend_down[i], by.bend_down[i]);
   }
 }
 
 void CellMaker::add(const Span& span) {
-  RawCell cell;
-  cell.begin = span.begin;
-  cell.end = span.end;
-  cell.straight = span.straight;
-  measure(span, cell);
+  // A bend is cut so that its limits follow it, as far as spreading them would not blur that again; a
+  // straight stretch has only one set.
+  const double length = span.end - span.begin;
+  int parts = 1;
+  if (!span.straight) {
+    RawCell whole;
+    measure(span, span.begin, span.end, whole);
+    parts = static_cast<int>(std::clamp(std::ceil(length / (kBlur * whole.reach)), 1.0, kMostBendParts));
+  }
+  double from = span.begin;
+  for (int i = 1; i <= parts; ++i) {
+    const double to = i == parts ? span.end : span.begin + length * i / parts;
+    RawCell cell;
+    cell.begin = from;
+    cell.end = to;
+    cell.straight = span.straight;
+    measure(span, from, to, cell);
+    add_cell(cell, span.stop && i == parts);
+    from = to;
+  }
+}
+
+void CellMaker::add_cell(RawCell cell, bool stop) {
   spread_back(cell);
   const RawCell own = cell;
   std::erase_if(reaching_, [&](const RawCell& r) { return r.end + r.reach <= cell.begin; });
   if (cell.straight) {
     // A long straight stretch is cut where limits of the bends behind it end.
     for (;;) {
-      double cut = kAny;
+      double cut = kAny, grouped = 0;
       for (const RawCell& r : reaching_) {
         const double at = r.end + r.reach;
-        if (at > cell.begin + 0.2 * (cell.begin - r.end) + 0.02 * r.reach && at < cell.end)
+        if (at <= cell.begin || at >= cell.end) continue;
+        // Ends close together share one cut, behind the last of them.
+        if (at < cell.begin + 0.2 * (cell.begin - r.end) + 0.02 * r.reach)
+          grouped = std::max(grouped, at);
+        else
           cut = std::min(cut, at);
       }
+      if (grouped > 0) cut = grouped;
       if (cut == kAny || cell.end - cut < 0.1 * (own.end - own.begin)) break;
       RawCell part = cell;
       part.end = cut;
@@ -120,10 +158,10 @@ void CellMaker::add(const Span& span) {
       cell.begin = cut;
     }
   }
-  cell.stop = span.stop;
+  cell.stop = stop;
   append(cell);
-  newest_ = span.end;
-  if (span.stop) {
+  newest_ = own.end;
+  if (stop) {
     reaching_.clear();
     final_ = staged_.size();
   } else {
@@ -169,13 +207,17 @@ bool CellMaker::next(Cell& out) {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     if (raw.rate[i] < 1e-9) continue;
     out.gain[out.axes] = axes_[i].acceleration / raw.rate[i];
-    out.loss[out.axes] = raw.bend[i] / raw.rate[i];
+    // Curvature that helps is counted on only without averaging: the average of v² is not the average's
+    // square.
+    const double help = smoothing_periods_ > 1 ? 0 : -kAny;
+    out.loss_up[out.axes] = std::max(help, raw.bend_up[i]) / raw.rate[i];
+    out.loss_down[out.axes] = std::max(help, raw.bend_down[i]) / raw.rate[i];
     ++out.axes;
   }
   for (std::size_t p = 0; p < kPlanCount; ++p) {
     const double speed = std::min(raw.speed, raw.feed * kPlans[p]);
     out.ceiling[p] = speed * speed;
-    out.ceiling_braking[p] = out.acceleration_at(out.ceiling[p]);
+    out.ceiling_braking[p] = out.braking_up_to(out.ceiling[p]);
   }
   staged_.pop_front();
   --final_;

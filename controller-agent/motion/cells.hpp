@@ -11,6 +11,7 @@
 // farther away cannot get here within the window without having gone faster than allowed there.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -36,14 +37,24 @@ struct Cell {
   FeedKind kind = FeedKind::feed;
   double reference_rpm = 0;  ///< of feed per revolution
   std::size_t axes = 0;
-  AxisVector gain{}, loss{};     ///< |a| <= gain_i - loss_i v², mm/s² and 1/mm
+  AxisVector gain{};       ///< acceleration an axis leaves along a straight path [mm/s²]
+  AxisVector loss_up{};    ///< of it per v² by curvature when speeding up [1/mm]; negative: curvature helps
+  AxisVector loss_down{};  ///< the same when braking
   double most_acceleration = 0;  ///< |a| allowed by jerk, mm/s²
   PerPlan ceiling{};             ///< highest v² of each plan
   PerPlan ceiling_braking{};     ///< deceleration allowed at the ceiling
   /// v² at `begin` from which the path ahead can be followed; only ever raised while published.
   std::array<std::atomic<double>, kPlanCount> entry{};
 
-  double acceleration_at(double speed_squared) const {
+  double acceleration_at(double speed_squared) const { return left_of(loss_up, speed_squared); }
+  double braking_at(double speed_squared) const { return left_of(loss_down, speed_squared); }
+  /// Braking allowed at every speed up to this one.
+  double braking_up_to(double speed_squared) const {
+    return std::min(braking_at(speed_squared), braking_at(0));
+  }
+
+ private:
+  double left_of(const AxisVector& loss, double speed_squared) const {
     double a = most_acceleration;
     for (std::size_t i = 0; i < axes; ++i) {
       const double left = gain[i] - loss[i] * speed_squared;
@@ -67,11 +78,12 @@ struct RawCell {
   bool straight = false, stop = false;
   FeedKind kind = FeedKind::feed;
   double reference_rpm = 0;
-  AxisVector rate{}, bend{};
-  double speed = 0;         ///< highest, whatever the override
-  double feed = 0;          ///< highest at override 1
-  double acceleration = 0;  ///< by jerk
-  double reach = 0;         ///< own highest speed times the smoothing time: how far its limits are spread
+  AxisVector rate{};                  ///< largest |q'|
+  AxisVector bend_up{}, bend_down{};  ///< largest q'' with, against the sense of q'; signed
+  double speed = 0;                   ///< highest, whatever the override
+  double feed = 0;                    ///< highest at override 1
+  double acceleration = 0;            ///< by jerk
+  double reach = 0;  ///< own highest speed times the smoothing time: how far its limits are spread
 };
 
 class CellMaker {
@@ -94,7 +106,8 @@ class CellMaker {
   };
   void append(RawCell cell);
   void spread_back(const RawCell& from);
-  void measure(const Span& span, RawCell& cell);
+  void measure(const Span& span, double from, double to, RawCell& cell);
+  void add_cell(RawCell cell, bool stop);
   static void limit(RawCell& target, const RawCell& by);
 
   std::vector<AxisLimits> axes_;

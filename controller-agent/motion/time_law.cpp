@@ -53,6 +53,10 @@ double TimeLaw::acceleration_at(double speed) const {
   return cell_ < cells_.published() ? cells_[cell_].acceleration_at(speed * speed) : 0;
 }
 
+double TimeLaw::braking_at(double speed) const {
+  return cell_ < cells_.published() ? cells_[cell_].braking_at(speed * speed) : 0;
+}
+
 double TimeLaw::reachable(double ratio, double most) const {
   const Mix mix(ratio);
   const std::uint64_t end = cells_.published();
@@ -82,17 +86,18 @@ void TimeLaw::advance(const Demand& demand) {
   const std::uint64_t end = cells_.published();
   double speed = 0;
   if (cell_ < end) {
-    const double step = acceleration_at(speed_) * t;
+    const double step = acceleration_at(speed_) * t, brake = braking_at(speed_) * t;
     const double hard = reachable(kMaxOverride, speed_ + step);
     double wanted;
     if (demand.follow) {
-      const double error = demand.target - (leading_ + demand.target_speed * t), a = 0.9 * step / t;
+      const double error = demand.target - (leading_ + demand.target_speed * t),
+                   a = 0.9 * std::min(step, brake) / t;
       const double correction = std::min(std::sqrt(2 * a * std::abs(error)), std::abs(error) / (4 * t));
       wanted = std::clamp(demand.target_speed + std::copysign(correction, error),
-                          std::max(0.0, speed_ - step), speed_ + step);
+                          std::max(0.0, speed_ - brake), speed_ + step);
     } else {
       wanted = demand.ratio <= 0 ? 0 : reachable(demand.ratio, speed_ + step);
-      wanted = std::max(wanted, speed_ - step);
+      wanted = std::max(wanted, speed_ - brake);
     }
     speed = std::max(0.0, std::min(hard, wanted));
   }

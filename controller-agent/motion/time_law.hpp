@@ -36,6 +36,7 @@ class TimeLaw {
   bool at_rest() const { return speed_ == 0 && still_ >= window_.size(); }
   /// Acceleration that may be used now at this speed [mm/s²].
   double acceleration_at(double speed) const;
+  double braking_at(double speed) const;
   /// How much the moving average lags behind [s].
   double lag_s() const { return 0.5 * static_cast<double>(window_.size() - 1) * period_s_; }
   /// At rest at an exact stop with more path behind it: go on from there.

@@ -1,43 +1,90 @@
-// The embedded CNC of one machine, as one object: modes, start, hold, reset, alarms, part count. `step()` is one
-// interpolation period; `work()` interprets and plans ahead. An agent calls them on two threads, the simulator on one.
+// The embedded CNC of one machine, as one object: modes, start, hold, reset, alarms, part count. `step()` is
+// one interpolation period; `work()` interprets and plans ahead. An agent calls them on two threads, the
+// simulator on one. README.md of this folder says how the parts work together and what the machine does when.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "axes/drive.hpp"
 #include "interpreter/interpreter.hpp"
 #include "machine/machine.hpp"
+#include "motion/kernel.hpp"
+#include "plc/auxiliary.hpp"
 
 namespace headstock::operation {
 
 using machine::AxisVector;
 
-enum class Mode : std::uint8_t { edit, memory, mdi, jog, handle, reference, remote };   // remote: DNC/RMT drip-feed
-enum class State : std::uint8_t { idle, running, hold, stopped, alarm, emergency_stop };  // stopped: M00/single block
+enum class Mode : std::uint8_t {
+  edit,
+  memory,
+  mdi,
+  jog,
+  handle,
+  reference,
+  remote
+};  // remote: DNC/RMT drip-feed
+enum class State : std::uint8_t {
+  idle,
+  running,
+  hold,
+  stopped,
+  alarm,
+  emergency_stop
+};  // stopped: M00/single block
 
 /// What a panel or the link asks for. Refusals come back with a reason; nothing is queued for later.
 enum class Action : std::uint8_t {
-  cycle_start, feed_hold, reset, emergency_stop, emergency_stop_release,
-  arm_remote, disarm_remote,                       // only from the machine's own panel
-  set_mode, set_feed_override, set_rapid_override, set_spindle_override,
-  set_single_block, set_optional_stop, set_block_skip, set_dry_run, set_machine_lock,
-  set_parts_required, reset_parts
+  cycle_start,
+  feed_hold,
+  reset,
+  emergency_stop,
+  emergency_stop_release,
+  arm_remote,
+  disarm_remote,  // only from the machine's own panel
+  set_mode,
+  set_feed_override,
+  set_rapid_override,
+  set_spindle_override,
+  set_single_block,
+  set_optional_stop,
+  set_block_skip,
+  set_dry_run,
+  set_machine_lock,
+  set_parts_required,
+  reset_parts
 };
+/// The network may always stop (feed_hold, emergency_stop, disarm_remote) and set what moves nothing
+/// (set_parts_required, reset_parts); everything else is refused with "not_armed" unless the operator has
+/// armed remote operation at the panel. Arming, releasing an emergency stop and machine lock are the panel's
+/// alone ("panel_only"). Arming ends by disarm_remote, link_lost(), emergency stop, a reset that clears an
+/// alarm, and a restart of the agent.
 enum class Origin : std::uint8_t { panel, network };
 
-struct Command { Action action; Origin origin = Origin::panel; double value = 0; };
+/// `value`: 0/1 for switches, a factor (1 = 100 %) for overrides, the Mode's number, a number of parts.
+struct Command {
+  Action action;
+  Origin origin = Origin::panel;
+  double value = 0;
+};
 /// `reason` is a message key (see web locales), e.g. "not_armed", "running", "alarm"; empty when accepted.
-struct CommandResult { bool accepted = false; std::string reason; };
+struct CommandResult {
+  bool accepted = false;
+  std::string reason;
+};
 
 struct ActiveAlarm {
-  std::uint64_t id = 0;          ///< grows by one with each alarm of this controller
+  std::uint64_t id = 0;  ///< grows by one with each alarm of this controller
   std::string code;
   std::string text_en, text_zh;
   interp::SourcePosition at;
-  std::int64_t raised_ms = 0;    ///< Unix time
+  std::int64_t raised_ms = 0;  ///< Unix time
+  bool message = false;  ///< an operator message: does not stop a cycle start, which clears it (data ran out)
 };
 
 /// Everything a screen shows, taken at one instant.
@@ -45,12 +92,14 @@ struct Live {
   Mode mode = Mode::memory;
   State state = State::idle;
   bool remote_armed = false;
-  std::string program_name;      ///< "O1001" or the file's name
-  interp::SourcePosition at;     ///< of the block being executed
-  std::string block;             ///< its text
-  std::vector<std::string> modal;///< "G01", "G97", … in the order the controller's page shows them
+  std::string program_name;        ///< "O1001" or the file's name
+  interp::SourcePosition at;       ///< of the block being executed
+  std::string block;               ///< its text
+  std::vector<std::string> modal;  ///< "G01", "G97", … in the order the controller's page shows them
   std::int32_t tool = 0, offset = 0;
   std::vector<std::string> axes;
+  /// absolute, relative: programming units, X as a diameter where so. machine: slide position as measured by
+  /// the drives [mm]. distance_to_go: of the block, X as a diameter where so.
   AxisVector absolute{}, relative{}, machine{}, distance_to_go{};
   double feed_actual_mm_min = 0, feed_commanded = 0;
   double spindle_actual_rpm = 0, spindle_commanded_rpm = 0;
@@ -58,41 +107,105 @@ struct Live {
   bool single_block = false, optional_stop = false, block_skip = false, dry_run = false, machine_lock = false;
   std::uint64_t parts = 0, parts_required = 0, parts_total = 0;
   double run_time_s = 0, cutting_time_s = 0, cycle_time_s = 0, last_cycle_s = 0;
-  double progress = 0;           ///< 0…1 of the program by bytes (drip-feed: of the announced length); <0 unknown
+  double progress = 0;  ///< 0…1 of the program by bytes (drip-feed: of the announced length); <0 unknown
   std::vector<ActiveAlarm> alarms;
   std::uint64_t periods = 0, overruns = 0;
+  std::string message;  ///< last #3006 text or comment to show
+  bool coolant = false;
+  std::uint64_t program_bytes = 0;  ///< length of the selected program; 0 unknown
 };
 
 // ---- what must not be lost: handed to the storage thread, which commits before the controller goes on
-struct PartCounted { std::uint64_t count; std::uint64_t total; std::string program; std::string revision_hash; double cycle_s; };
-struct AlarmRaised { ActiveAlarm alarm; std::string block; };
-struct AlarmCleared { std::uint64_t id; };
-struct RunStarted { std::uint64_t run; std::string program; std::string revision_hash; };
-struct RunEnded { std::uint64_t run; std::string outcome; double run_s, cutting_s; };   // "completed" "reset" "alarm"
-struct StateChanged { State state; Mode mode; };
-struct OffsetChanged { interp::DataChange change; std::string origin; };
-using Event = std::variant<PartCounted, AlarmRaised, AlarmCleared, RunStarted, RunEnded, StateChanged, OffsetChanged>;
-struct TimedEvent { std::int64_t at_ms; Event event; };
+struct PartCounted {
+  std::uint64_t count;
+  std::uint64_t total;
+  std::string program;
+  std::string revision_hash;
+  double cycle_s;
+};
+struct AlarmRaised {
+  ActiveAlarm alarm;
+  std::string block;
+};
+struct AlarmCleared {
+  std::uint64_t id;
+};
+struct RunStarted {
+  std::uint64_t run;
+  std::string program;
+  std::string revision_hash;
+};
+struct RunEnded {
+  std::uint64_t run;
+  std::string outcome;
+  double run_s, cutting_s;
+};  // "completed" "reset" "alarm"
+struct StateChanged {
+  State state;
+  Mode mode;
+};
+struct OffsetChanged {
+  interp::DataChange change;
+  std::string origin;
+};
+using Event =
+    std::variant<PartCounted, AlarmRaised, AlarmCleared, RunStarted, RunEnded, StateChanged, OffsetChanged>;
+struct TimedEvent {
+  std::int64_t at_ms;
+  Event event;
+};
+
+/// What survives a restart of the agent.
+struct Retained {
+  std::uint64_t parts = 0, parts_total = 0, parts_required = 0;
+  std::uint64_t last_run = 0, last_alarm = 0;
+  double feed_override = 1, rapid_override = 1, spindle_override = 1;
+};
+
+struct ControllerOptions {
+  std::unique_ptr<axes::Drive> drive;         ///< none: the simulated servo drive
+  std::unique_ptr<plc::Auxiliary> functions;  ///< none: plc::BuiltIn
+  Retained retained;
+  interp::Switches switches;  ///< lenient, G-code system, decimal point; the rest comes from the panel
+  std::function<std::int64_t()>
+      now_ms;  ///< none: the system clock. Unix time; called by any but the real-time thread
+};
 
 class Controller {
  public:
-  /// @param data offsets, parameters and variables, kept by the caller's storage; changed only on the look-ahead thread.
-  Controller(machine::Machine machine, interp::MachineData data);
+  /// @param data offsets, parameters and variables; from here on the controller's own: see data(),
+  /// edit_data(). Throws std::invalid_argument when machine.profile is none of the six or the machine has no
+  /// axes.
+  Controller(machine::Machine machine, interp::MachineData data, ControllerOptions options = {});
   ~Controller();
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 
-  // ---- any thread
+  // ---- any thread but the real-time one
   CommandResult command(const Command& command);
-  /// Chooses the program that cycle start runs. Refused while running.
-  CommandResult select(std::string name, std::string revision_hash, std::shared_ptr<program::Programs> memory);
-  /// DNC mode: run from a stream of `total_bytes` (0: unknown).
-  CommandResult select_stream(std::string name, std::string revision_hash, std::unique_ptr<program::Source> stream,
-                              std::uint64_t total_bytes);
+  /// Chooses the program that cycle start runs. Refused while running. `memory` also serves its sub-programs.
+  /// A choice by the network while not armed is not started by the first press of cycle start at the panel
+  /// ("selected_remotely"): the operator has to see it first. Arming counts as having seen it.
+  CommandResult select(std::string name, std::string revision_hash, std::shared_ptr<program::Programs> memory,
+                       Origin origin = Origin::panel);
+  /// DNC mode: run from a stream of `total_bytes` (0: unknown). It can be run once; reset drops it.
+  CommandResult select_stream(std::string name, std::string revision_hash,
+                              std::unique_ptr<program::Source> stream, std::uint64_t total_bytes,
+                              Origin origin = Origin::panel);
+  /// The connection is gone: remote arming ends, nothing else.
+  void link_lost();
   Live live() const;
+  Retained retained() const;
+  const machine::Machine& machine() const;
+  interp::MachineData data() const;
+  /// Changes offsets or parameters by hand. Refused while running.
+  CommandResult edit_data(const std::function<void(interp::MachineData&)>& edit,
+                          const interp::DataChange& change, const std::string& origin);
 
-  // ---- storage thread: take events, commit them, then say so (the part count's M30 is finished only after that)
+  // ---- storage thread: take events, commit them, then say so (the part count's M30 is finished only after
+  // that)
   bool take_event(TimedEvent& out);
+  /// @param events how many of the events taken are on the disk now, in total since the controller was made.
   void committed(std::uint64_t events);
 
   // ---- look-ahead thread
@@ -100,7 +213,23 @@ class Controller {
   bool work();
 
   // ---- real-time thread: no allocation, lock, system call or exception
-  void step();
+  void step() noexcept;
+  /// The caller's clock found this many periods too late.
+  void count_overruns(std::uint64_t periods) noexcept;
+
+  // ---- virtual time only: the thread that calls step()
+  /// The period just made.
+  const motion::Sample& sample() const noexcept;
+  double spindle_rpm() const noexcept;
+  /// Is the segment being traced a cutting one?
+  bool cutting() const noexcept;
+  /// Block of the segment being traced.
+  interp::SourcePosition traced_block() const;
+  /// Called on the look-ahead thread with every canonical operation as it is taken up. Set before the first
+  /// work().
+  void on_operation(std::function<void(const interp::Operation&)> observer);
+  /// The same with every move the kernel gets.
+  void on_move(std::function<void(const motion::Move&)> observer);
 
  private:
   struct Impl;

@@ -124,12 +124,16 @@ export async function wholeText(program: number, revision: number): Promise<stri
   return (await send("GET", `/programs/${program}/revisions/${revision}/content`)).text();
 }
 
-/// A check may be long: 202 with a job to ask for until it is done.
-export async function pollJob<T>(answer: T & { job?: number | string; url?: string }): Promise<T> {
-  let current: T & { job?: unknown; state?: string; result?: T } = answer;
-  while (current.job !== undefined && current.result === undefined && !("ok" in (current as object))) {
-    await new Promise((resolve) => setTimeout(resolve, 400));
-    current = await get(answer.url?.replace(base, "") ?? `/jobs/${String(answer.job)}`);
+interface Job<T> { job: number; state: "running" | "done" | "failed"; result?: T; error?: { code?: string; message?: Localised; where?: string } }
+
+/// Checks, plots and comparisons may be long: the server then answers with a job to ask for until it is done.
+export async function settled<T extends object>(answer: T | Job<T>, signal?: AbortSignal): Promise<T> {
+  let current = answer;
+  for (let waitMs = 250; "job" in current && "state" in current; waitMs = Math.min(2_000, waitMs * 1.5)) {
+    if (current.state === "done") return current.result as T;
+    if (current.state === "failed") throw new ApiError(422, current.error?.code ?? "http", current.error?.message ?? null, current.error?.where ?? null, null);
+    await new Promise((resolve) => setTimeout(resolve, waitMs));
+    current = await get<Job<T>>(`/jobs/${current.job}`, signal);
   }
-  return current.result ?? current;
+  return current as T;
 }

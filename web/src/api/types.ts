@@ -56,32 +56,30 @@ export interface Resident {
 }
 
 export interface Revision {
-  number: number; sha256: string; bytes: number; lines: number; encoding: string | null; by: string; at: string;
+  number: number; sha256: string; bytes: number; lines: number; encoding: string | null; line_ends?: string | null; nul_bytes?: number; by: string; at: string;
   note: string; origin: string; released: { by: string; at: string; why: string } | null;
 }
 
-export interface Program {
-  id: number; folder: string; name: string; newest: Revision | number | null; released: Revision | number | null;
-  [more: string]: unknown;
-}
+export interface Program { id: number; folder: string; name: string; created?: string; newest: Revision | null; released: Revision | null }
 
 export interface Uploaded {
-  program: Program | number; revision: Revision | number; created: boolean; duplicate_of: unknown; findings_encoding?: unknown;
+  program: Program; revision: Revision; created: boolean; duplicate_of: { program: number; revision: number } | null;
+  findings_encoding?: { encoding: string; line_ends: string; nul_bytes: number; longest_line: number; has_percent: boolean };
 }
 
 export interface Finding { line: number; column: number; code: string; text: Localised }
 
 export interface CheckResult {
   ok: boolean; findings: Finding[]; time_s: number | null; cutting_s: number | null; length_mm: number | null;
-  bounds?: unknown; tools?: number[] | null;
+  bounds?: unknown; tools?: number[] | null; machine?: number; timed?: boolean; blocks?: number; at?: string | null;
 }
 
 export type DiffClass = "comment" | "feed_speed" | "offset" | "geometry" | "structure";
 export interface DiffRow {
-  kind: "same" | "changed" | "added" | "removed"; left: string | null; right: string | null;
+  kind: "same" | "changed" | "added" | "removed" | "skipped"; skipped?: number; left: string | null; right: string | null;
   left_line: number | null; right_line: number | null; class: DiffClass | null;
 }
-export interface Diff { rows: DiffRow[]; classes: DiffClass[] | Partial<Record<DiffClass, number>>; truncated?: boolean }
+export interface Diff { rows: DiffRow[]; classes: DiffClass[]; changed: number; added: number; removed: number; truncated: boolean; coarse: boolean }
 
 export interface Move { k: "r" | "f" | "a"; l: number; p: number[] }
 export interface Backplot { axes: string[]; moves: Move[]; truncated: boolean }

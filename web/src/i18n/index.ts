@@ -4,6 +4,7 @@ import { initReactI18next } from "react-i18next";
 import { ApiError } from "../api/client";
 import type { Localised } from "../api/types";
 import en from "./en.json";
+import { reasons } from "./reasons";
 import zh from "./zh.json";
 
 export type Language = "en" | "zh";
@@ -41,10 +42,10 @@ export function inLanguage(text: Localised | string | null | undefined): string 
   return text[current()] || text.en || text.zh;
 }
 
-/// The reason a machine gave for a refusal, in words; an unknown one as it came.
+/// The reason a machine gave for a refusal, in words; an unknown one (of a newer machine) as it came.
 export function reasonText(reason: string | null | undefined): string {
   if (!reason) return "";
-  return i18next.exists(`reason.${reason}`) ? i18next.t(`reason.${reason}`) : reason;
+  return inLanguage(reasons.get(reason) ?? reason);
 }
 
 export function errorText(error: unknown): string {
@@ -54,7 +55,7 @@ export function errorText(error: unknown): string {
       const said = inLanguage(error.text);
       if (said) return error.where ? `${said} (${error.where})` : said;
     }
-    if (i18next.exists(`reason.${error.code}`)) return i18next.t(`reason.${error.code}`);
+    if (reasons.has(error.code)) return reasonText(error.code);
     if (i18next.exists(`error.${error.code}`)) return i18next.t(`error.${error.code}`);
     return i18next.t("error.http", { status: error.status, code: error.code });
   }

@@ -1,6 +1,7 @@
 /// <reference types="vite/client" />
 import { expect, it } from "vitest";
 import en from "./en.json";
+import { reasons } from "./reasons";
 import zh from "./zh.json";
 
 const flat = (tree: Record<string, Record<string, string>>): Map<string, string> =>
@@ -29,7 +30,7 @@ it("every text the pages ask for exists", () => {
     if (file.includes(".test.")) continue;
     for (const [, key = ""] of source.matchAll(/\bt\((?:[^"'`()]*\? )?"([a-z_]+\.[a-z0-9_]+)"/g)) if (!english.has(key)) missing.push(`${file}: ${key}`);
     // t(cond ? "a.b" : "c.d") and tables of keys
-    for (const [, key = ""] of source.matchAll(/"((?:common|nav|link|machine|command|programs|users|account|alarms|floor|signin|reason|error|override)\.[a-z0-9_]+)"/g)) if (!english.has(key)) missing.push(`${file}: ${key}`);
+    for (const [, key = ""] of source.matchAll(/"((?:common|nav|link|machine|command|programs|users|account|alarms|floor|signin|error|override)\.[a-z0-9_]+)"/g)) if (!english.has(key)) missing.push(`${file}: ${key}`);
     // t(`area.${…}`): the area must exist at least
     for (const [, area = ""] of source.matchAll(/\bt\(`([a-z_]+)\./g)) if (!(area in en)) missing.push(`${file}: ${area}.*`);
   }
@@ -44,4 +45,9 @@ it("no page holds a text of its own", () => {
     if (/[\u4e00-\u9fff]/.test(source.replaceAll("中文", ""))) found.push(`${file}: Chinese`);
   }
   expect(found).toEqual([]);
+});
+
+it("refusals have words from the table of server and machines", () => {
+  expect(reasons.size).toBeGreaterThan(40);
+  for (const key of ["not_armed", "not_connected", "timeout", "running", "memory_full"]) expect(reasons.get(key)?.zh, key).toMatch(/[\u4e00-\u9fff]/);
 });

@@ -15,7 +15,7 @@ export class LiveLink {
   private watch: ReturnType<typeof setInterval> | undefined;
   private heardAt = 0;
   private frame: ReturnType<typeof setTimeout> | undefined;
-  private readonly topics = new Map<string, number>([["floor", 1], ["transfers", 1]]);
+  private readonly topics = new Map<string, number>([["floor", 1], ["transfers", 1], ["programs", 1]]);
 
   get state(): Shop { return this.shop; }
 

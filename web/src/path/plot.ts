@@ -1,6 +1,6 @@
 // What the tool-path views share: points in work coordinates, X of a lathe as a diameter until it is drawn.
 import type { Backplot } from "../api/types";
-import { get, query } from "../api/client";
+import { get, query, settled } from "../api/client";
 
 export interface Bounds { min: number[]; max: number[] }
 
@@ -71,5 +71,6 @@ export function expand(plot: Backplot): Backplot {
 }
 
 export async function loadBackplot(program: number, revision: number, machine: number | null, signal: AbortSignal): Promise<Backplot> {
-  return expand(await get<Backplot>(`/programs/${program}/revisions/${revision}/backplot${query({ machine })}`, signal));
+  const answer = await get<Backplot>(`/programs/${program}/revisions/${revision}/backplot${query({ machine })}`, signal);
+  return expand(await settled(answer, signal));
 }

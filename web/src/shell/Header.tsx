@@ -1,21 +1,28 @@
-import { useEffect, useRef, useState } from "react";
+import { useContext, useEffect, useRef, useState } from "react";
 import { useTranslation } from "react-i18next";
-import { current, setLanguage } from "../i18n";
+import { patch } from "../api/client";
+import { current, setLanguage, type Language } from "../i18n";
 import { useMonotonic, useShop } from "../live/hooks";
 import { link } from "../live/socket";
 import { Icon, Logo, type IconName } from "../ui/icons";
 import { Button } from "../ui/parts";
 import { address } from "./router";
-import { useMay, useSession } from "./session";
+import { SessionContext, useMay, useSession } from "./session";
 import { chosenTheme, setTheme } from "./theme";
 
 export function LanguageSwitch() {
   const { t } = useTranslation();
+  const signedIn = useContext(SessionContext) !== null;
   const chosen = current();
+  const choose = (language: Language) => {
+    setLanguage(language);
+    // Kept with the person too, for the next computer; this page does not wait for it.
+    if (signedIn) patch("/session", { language }).catch(() => undefined);
+  };
   return (
     <div className="language" role="group" aria-label={t("nav.language")}>
-      <button type="button" lang="zh-CN" aria-pressed={chosen === "zh"} onClick={() => setLanguage("zh")}>中文</button>
-      <button type="button" lang="en" aria-pressed={chosen === "en"} onClick={() => setLanguage("en")}>English</button>
+      <button type="button" lang="zh-CN" aria-pressed={chosen === "zh"} onClick={() => choose("zh")}>中文</button>
+      <button type="button" lang="en" aria-pressed={chosen === "en"} onClick={() => choose("en")}>English</button>
     </div>
   );
 }

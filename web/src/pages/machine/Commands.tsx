@@ -56,7 +56,7 @@ export function Commands({ id, name, seen }: { id: number; name: string; seen: S
             <dl className="facts"><dt>{t("machine.program")}</dt><dd><b>{live?.program?.name ?? t("common.no_program")}</b>{live?.program?.revision ? ` · ${t("programs.revision_n", { number: live.program.revision })}` : ""}</dd>
               <dt>{t("override.title")}</dt><dd className="num">F {live?.overrides?.feed ?? "—"} % · R {live?.overrides?.rapid ?? "—"} % · S {live?.overrides?.spindle ?? "—"} %</dd></dl>)}
           <p>{t(asking === "cycle_start" ? "command.confirm_start" : "command.confirm_reset")}</p>
-          {asking === "cycle_start" && live?.remote_armed === false && <div className="note warn"><span>{t("reason.not_armed")}</span></div>}
+          {asking === "cycle_start" && live?.remote_armed === false && <div className="note warn"><span>{reasonText("not_armed")}</span></div>}
         </Dialog>
       )}
     </div>

@@ -33,9 +33,9 @@ export function MachinePage({ id }: { id: number }) {
         <StateBadge state={seen.state} large />
         <span className="machine-marks">
           {live?.mode && <span className="mark">{t(`mode.${live.mode}`)}</span>}
-          <span className={`mark ${live?.remote_armed && seen.current ? "armed" : ""}`} data-field="armed" data-armed={Boolean(live?.remote_armed && seen.current)}
+          {seen.current && <span className={`mark ${live?.remote_armed ? "armed" : ""}`} data-field="armed" data-armed={Boolean(live?.remote_armed)}
             title={t(live?.remote_armed ? "machine.armed" : "machine.not_armed")}>
-            <Icon name={live?.remote_armed ? "unlock" : "lock"} size={13} />{t(live?.remote_armed ? "machine.armed_short" : "machine.not_armed_short")}</span>
+            <Icon name={live?.remote_armed ? "unlock" : "lock"} size={13} />{t(live?.remote_armed ? "machine.armed_short" : "machine.not_armed_short")}</span>}
           <AgeText ms={seen.age} prefix />
         </span>
         <Commands id={id} name={name} seen={seen} />
@@ -55,7 +55,7 @@ export function MachinePage({ id }: { id: number }) {
         <RunningProgram seen={seen} />
         <Panel className="area-readouts" name="readouts"><Figures live={live} /><Overrides id={id} live={live} current={seen.current} /></Panel>
         <Panel className="area-modal" title={t("machine.modal")} name="modal"><ModalCodes live={live} /></Panel>
-        <PartsAndTimes live={live} />
+        <PartsAndTimes id={id} live={live} current={seen.current} />
       </div>
       <MachineRecords id={id} seen={seen} machine={machine} onChanged={reload} />
     </div>
@@ -116,7 +116,7 @@ function RunningProgram({ seen }: { seen: Seen }) {
       {program?.revision ? <a href={address(["programs", program.id ?? 0], { rev: program.revision })}>{t("programs.revision_n", { number: program.revision })}</a> : null}
       {program?.released === true && <span className="chip good">{t("programs.released")}</span>}
     </span>} extra={revision && <Button small kind="quiet" aria-pressed={follow} onClick={() => setFollow(!follow)}>{t("machine.follow")}</Button>}>
-      <div className="running-block mono" data-field="block"><span className="line-number">{live?.line ?? unknownText}</span><Code text={live?.block ?? ""} /></div>
+      <div className="running-block mono" data-field="block"><span className="line-number">{live?.line ?? unknownText}</span><code><Code text={live?.block ?? ""} /></code></div>
       <div className="running-progress"><Progress part={live?.progress} label={t("machine.progress")} state={seen.current ? seen.state : "stale"} />
         <span className="num" data-field="progress">{percent(live?.progress, 1)}</span><span className="num dim">{t("machine.remaining")} {duration(live?.remaining_s)}</span></div>
       {live?.drip && <div className="running-progress drip"><Progress part={live.drip.total > 0 ? live.drip.bytes / live.drip.total : null} label={t("machine.drip")} />

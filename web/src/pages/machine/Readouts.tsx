@@ -5,7 +5,7 @@ import { fixed, grouped, position, unknownText, whole } from "../../format/numbe
 import { duration } from "../../format/time";
 import { isLathe } from "../../path/plot";
 import { useMay } from "../../shell/session";
-import { Button, Panel, Progress, Tabs, useAction } from "../../ui/parts";
+import { Button, Dialog, Field, Panel, Progress, Tabs, useAction } from "../../ui/parts";
 import { useCommand } from "./Commands";
 
 type Page = "absolute" | "relative" | "machine" | "distance";
@@ -47,6 +47,8 @@ export function Figures({ live }: { live: Live | undefined }) {
   );
 }
 
+// Dry run and machine lock belong to the person who stands at the machine.
+const remoteSwitches = ["single_block", "optional_stop", "block_skip"];
 const limits = { feed: [0, 150], rapid: [0, 100], spindle: [50, 120] } as const;
 
 export function Overrides({ id, live, current }: { id: number; live: Live | undefined; current: boolean }) {
@@ -61,7 +63,7 @@ export function Overrides({ id, live, current }: { id: number; live: Live | unde
         {(Object.keys(limits) as (keyof typeof limits)[]).map((which) => {
           const value = live?.overrides?.[which];
           const [least, most] = limits[which];
-          const step = (by: number) => run(async () => { await command(`set_${which}_override`, Math.min(most, Math.max(least, (value ?? 100) + by)), true); });
+          const step = (by: number) => run(async () => { await command(`set_${which}_override`, Math.min(most, Math.max(least, (value ?? 100) + by)) / 100, true); });
           return (
             <div key={which} className={`override-row${value !== undefined && value !== 100 ? " changed" : ""}`} data-override={which}>
               <label>{t(`override.${which}`)}</label>
@@ -73,7 +75,10 @@ export function Overrides({ id, live, current }: { id: number; live: Live | unde
         })}
       </div>
       {switches.length > 0 && <div className="switches" aria-label={t("machine.switches")}>
-        {switches.map(([name, on]) => <span key={name} className={`switch ${on ? "on" : ""}`}>{t(`switch.${name}`, { defaultValue: name })}</span>)}
+        {switches.map(([name, on]) => (remoteSwitches.includes(name)
+          ? <button key={name} type="button" className={`switch ${on ? "on" : ""}`} aria-pressed={on} disabled={!may || busy} data-switch={name}
+            onClick={() => run(async () => { await command(`set_${name}`, on ? 0 : 1, true); })}>{t(`switch.${name}`)}</button>
+          : <span key={name} className={`switch ${on ? "on" : ""}`} title={t("machine.switch_local")}>{t(`switch.${name}`, { defaultValue: name })}</span>))}
       </div>}
     </>
   );
@@ -84,11 +89,20 @@ export function ModalCodes({ live }: { live: Live | undefined }) {
   return <div className="modal-codes mono" data-field="modal">{live.modal.map((code) => <span key={code}>{code}</span>)}</div>;
 }
 
-export function PartsAndTimes({ live }: { live: Live | undefined }) {
+export function PartsAndTimes({ id, live, current }: { id: number; live: Live | undefined; current: boolean }) {
   const { t } = useTranslation();
+  const may = useMay("operator") && current;
+  const command = useCommand(id, live?.name ?? "");
+  const { busy, run } = useAction();
+  const [wanted, setWanted] = useState<string | null>(null);
   const parts = live?.parts;
   return (
-    <Panel className="area-parts" name="parts" title={t("machine.times")}>
+    <Panel className="area-parts" name="parts" title={t("machine.times")} extra={may && <Button small kind="quiet" icon="edit" aria-label={t("machine.required")} title={t("machine.required")} onClick={() => setWanted(String(parts?.required ?? 0))} />}>
+      {wanted !== null && (
+        <Dialog title={t("machine.required")} name="required" onClose={() => setWanted(null)} actions={<><Button onClick={() => setWanted(null)}>{t("common.cancel")}</Button><Button kind="primary" type="submit" form="required-form" busy={busy}>{t("common.save")}</Button></>}>
+          <form id="required-form" onSubmit={(event) => { event.preventDefault(); const value = Math.round(Number(wanted)); setWanted(null); run(async () => { await command("set_parts_required", value, true); }); }}>
+            <Field label={t("machine.required")}><input type="number" min={0} max={9_999_999} step={1} value={wanted} autoFocus onChange={(event) => setWanted(event.target.value)} required /></Field></form>
+        </Dialog>)}
       <div className="parts-big"><b className="num" data-field="parts">{parts ? grouped(parts.count) : unknownText}</b>
         {parts && parts.required > 0 && <span className="num">/ {grouped(parts.required)}</span>}<small>{t("machine.parts_total")} <span className="num" data-field="parts-total">{parts ? grouped(parts.total) : unknownText}</span></small></div>
       <Progress part={parts && parts.required > 0 ? parts.count / parts.required : null} label={t("machine.parts")} state="running" />

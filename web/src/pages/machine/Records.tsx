@@ -49,7 +49,7 @@ function Census({ id, seen }: { id: number; seen: Seen }) {
   return (
     <div className="table-box">
       <ErrorNote error={error} />
-      <div className="records-bar"><a className="button small" href={address(["programs"])}>{t("machine.send")}</a><Button small kind="quiet" onClick={reload}>{t("link.retry")}</Button></div>
+      <div className="records-bar"><a className="button small" href={address(["programs"])}>{t("machine.send")}</a><Button small kind="quiet" onClick={reload}>{t("common.refresh")}</Button></div>
       <table className="table"><thead><tr><th>{t("machine.program")}</th><th>{t("programs.revision")}</th><th /><th>{t("machine.resident_since")}</th><th className="right">{t("programs.column_size")}</th><th /></tr></thead>
         <tbody>{(value ?? []).map((one) => {
           const library = one.program_id ?? (typeof one.program === "number" ? one.program : null);

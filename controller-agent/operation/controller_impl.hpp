@@ -1,0 +1,139 @@
+// The controller's inside. One lock guards everything but the real-time part, which has only atomics; the
+// look-ahead gives the lock away between pieces of work whenever somebody waits for it.
+#pragma once
+
+#include <deque>
+#include <mutex>
+#include <optional>
+
+#include "operation/controller.hpp"
+#include "operation/motion_feed.hpp"
+#include "operation/overtravel_alarm.hpp"
+#include "operation/program_text.hpp"
+#include "operation/realtime.hpp"
+
+namespace headstock::operation {
+
+/// What the look-ahead waits for before it takes up the next operation.
+enum class Await : std::uint8_t {
+  nothing,
+  function,  ///< M, S, T finished
+  dwell,
+  block_stop,    ///< single block: the axes stand at the block's end
+  program_stop,  ///< M00, M01
+  alarm,         ///< motion before the alarm's block is complete
+  end,           ///< motion before M30 is complete
+  commit         ///< the part count is on the disk
+};
+
+enum class Phase : std::uint8_t {
+  idle,
+  running,  ///< automatic operation, also in feed hold
+  stopped,  ///< M00 or single block: waits for cycle start
+  faulted,  ///< an alarm stopped the program
+  aborting  ///< reset or emergency stop: the axes are braking
+};
+
+/// What cycle start runs.
+struct Selection {
+  std::string name, revision_hash;
+  std::shared_ptr<program::Programs> memory;
+  std::unique_ptr<program::Source> stream;  // drip-feed; taken at cycle start
+  bool is_stream = false;
+  std::uint64_t bytes = 0;
+  bool unseen = false;  // chosen over the network, nobody at the machine has seen it
+};
+
+struct Controller::Impl {
+  Impl(machine::Machine machine_in, interp::MachineData data_in, ControllerOptions options);
+
+  // ---- controller.cpp: what a person or the link asks for
+  CommandResult command(const Command& command);
+  CommandResult cycle_start(Origin origin);
+  CommandResult reset();
+  CommandResult emergency_stop();
+  CommandResult release_emergency_stop();
+  CommandResult set_mode(double value);
+  CommandResult select(Selection selection, Mode mode, Origin origin);
+  bool busy() const { return phase == Phase::running || phase == Phase::stopped || phase == Phase::aborting; }
+  bool alarmed() const;
+
+  // ---- sequencer.cpp: from operations to moves and interludes
+  bool work();
+  void pull_operations();
+  void take(const interp::Operation& taken);
+  void post(Await what, Interlude interlude);
+  void interlude_done();
+  void data_ran_out();
+  void end_program();
+  void finish_run(const char* outcome);
+  void after_abort();
+  bool blocks_differ(const interp::SourcePosition& a, const interp::SourcePosition& b) const;
+
+  // ---- report.cpp: alarms, events, live
+  void raise(const std::string& code, const std::string& detail, const interp::SourcePosition& at,
+             const MachineAlarm& own_text, bool is_message = false);
+  void clear_alarms(bool messages_only);
+  void emit(Event event);
+  void state_changed();
+  State state() const;
+  Live live();
+  std::string block_text(const interp::SourcePosition& at) const;
+
+  const machine::Machine machine;
+  interp::MachineData data;
+  std::function<std::int64_t()> now_ms;
+  motion::Kernel kernel;
+  TagRing tags;
+  Realtime realtime;
+  WindowedPrograms programs;
+  interp::Interpreter interpreter;
+  MotionFeed feed;
+  std::function<void(const interp::Operation&)> observer;
+
+  std::mutex lock;
+  std::atomic<int> waiting{0};  // threads that want the lock from the look-ahead
+
+  Mode mode = Mode::memory;
+  Phase phase = Phase::idle;
+  bool emergency = false;
+  bool armed = false;
+  bool unlocked = false;  // machine lock has just been taken off
+  interp::Switches switches;
+  bool single_block = false, optional_stop = false, block_skip = false, dry_run = false;
+  Selection selection;
+  Retained retained;
+  std::vector<ActiveAlarm> alarms;
+  std::string message;
+
+  // the run under way
+  bool run_open = false;
+  Await await = Await::nothing;
+  interp::Operation operation;  // pulled, not yet taken up
+  bool has_operation = false;
+  interp::SourcePosition last_block;  // of the last operation taken up; line 0: none
+  std::shared_ptr<TextWindow> main_window;
+  std::uint32_t main_program = 0;
+  std::uint64_t main_offset = 0;
+  std::optional<axes::Overtravel> overtravel;
+  interp::Alarm pending_alarm;
+  MachineAlarm raised_here;  // texts for it when it does not come from the interpreter
+  interp::End end;
+  bool anything_moved = false;          // in this run, or since data last came
+  std::uint64_t wait_since_period = 0;  // first period without data, 0: data are there
+  bool planned = true;                  // the kernel has planned everything pushed
+  std::uint64_t commit_event = 0;       // number of the part's event that must be committed
+  std::uint64_t run_periods_base = 0, cutting_periods_base = 0;
+  double last_cycle_s = 0;
+  double total_run_base_s = 0;
+
+  // events on their way to the storage thread; the two counters run since the controller was made
+  std::deque<TimedEvent> events;
+  std::uint64_t events_made = 0, events_committed = 0;
+  State last_state = State::idle;
+  Mode last_mode = Mode::memory;
+
+  double period_s() const { return machine.period_us * 1e-6; }
+};
+
+}  // namespace headstock::operation

@@ -1,0 +1,165 @@
+#include "operation/motion_feed.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "operation/path_length.hpp"
+
+namespace headstock::operation {
+namespace {
+
+constexpr double kTwoPi = 2 * std::numbers::pi;
+
+template <typename... Ts>
+struct Overloaded : Ts... {
+  using Ts::operator()...;
+};
+template <typename... Ts>
+Overloaded(Ts...) -> Overloaded<Ts...>;
+
+const interp::Motion kNoMotion{};
+
+// A move whose tag nobody could see: shorter than any axis can resolve.
+constexpr double kNoMove_mm = 1e-9;
+
+struct PlaneAxes {
+  char first, second;
+};
+constexpr PlaneAxes plane_axes(interp::Plane plane) {
+  switch (plane) {
+    case interp::Plane::zx:
+      return {'Z', 'X'};
+    case interp::Plane::yz:
+      return {'Y', 'Z'};
+    case interp::Plane::xy:
+      break;
+  }
+  return {'X', 'Y'};
+}
+
+}  // namespace
+
+motion::Arc arc_geometry(const machine::Machine& machine, const interp::Arc& arc) {
+  const PlaneAxes plane = plane_axes(arc.plane);
+  const std::size_t first = machine.axis_index(plane.first).value_or(0);
+  const std::size_t second = machine.axis_index(plane.second).value_or(1);
+  motion::Arc geometry;
+  geometry.end = arc.end_machine;
+  geometry.axis_1 = static_cast<std::uint8_t>(first);
+  geometry.axis_2 = static_cast<std::uint8_t>(second);
+  geometry.center_1 = arc.center_machine[first];
+  geometry.center_2 = arc.center_machine[second];
+  geometry.angle_rad = arc.turns * kTwoPi * (arc.turn == interp::Turn::ccw ? 1 : -1);
+  return geometry;
+}
+
+bool is_motion(const interp::Operation& operation) {
+  return std::holds_alternative<interp::Rapid>(operation) ||
+         std::holds_alternative<interp::Feed>(operation) || std::holds_alternative<interp::Arc>(operation) ||
+         std::holds_alternative<interp::Thread>(operation);
+}
+
+const interp::Motion& motion_of(const interp::Operation& operation) {
+  return std::visit(
+      [](const auto& op) -> const interp::Motion& {
+        if constexpr (std::is_base_of_v<interp::Motion, std::decay_t<decltype(op)>>)
+          return op;
+        else
+          return kNoMotion;
+      },
+      operation);
+}
+
+void MotionFeed::set_position(const AxisVector& position) {
+  position_ = position;
+  held_back_.reset();
+  last_tag_ = 0;
+}
+
+motion::Move MotionFeed::make(const interp::Operation& operation) const {
+  motion::Move move;
+  move.tolerance_mm = machine_.tolerance_mm;
+  const interp::Motion& common = motion_of(operation);
+  move.geometry = motion::Line{common.end_machine};
+  move.exact_stop = common.exact_stop;
+
+  const auto set_feed = [&](double feed, interp::FeedUnit unit) {
+    if (rules_.dry_run) {
+      move.feed = motion::PathFeed{rules_.dry_run_mm_min / 60};
+      return;
+    }
+    switch (unit) {
+      case interp::FeedUnit::mm_per_minute:
+        move.feed = motion::PathFeed{feed / 60};
+        break;
+      case interp::FeedUnit::mm_per_revolution:
+        // Under constant surface speed the speed ahead is not known: planned for the highest.
+        move.feed = motion::RevolutionFeed{feed, 0};
+        break;
+      case interp::FeedUnit::inverse_time:
+        move.feed = motion::PathFeed{feed / 60 * path_length(position_, move)};
+        break;
+    }
+  };
+  std::visit(
+      Overloaded{
+          [&](const interp::Rapid&) {
+            move.feed = motion::RapidFeed{};
+            move.exact_stop = true;  // in-position check of positioning (0i-D 4.1)
+          },
+          [&](const interp::Feed& m) { set_feed(m.feed, m.unit); },
+          [&](const interp::Arc& m) {
+            move.geometry = arc_geometry(machine_, m);
+            set_feed(m.feed, m.unit);
+          },
+          [&](const interp::Thread& m) {
+            move.feed = motion::ThreadFeed{m.lead_mm, m.lead_change_mm, m.start_angle_deg / 360 * kTwoPi};
+          },
+          [](const auto&) {}},
+      operation);
+  return move;
+}
+
+std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operation,
+                                                std::uint64_t main_offset) {
+  motion::Move move = make(operation);
+  const bool rapid = std::holds_alternative<interp::Rapid>(operation);
+  auto overtravel = axes::find_overtravel(machine_, position_, move.geometry);
+  if (overtravel) {
+    move.geometry = overtravel->allowed;
+    move.exact_stop = true;
+  } else if (axes::near_limit(machine_, position_, move.geometry, move.tolerance_mm)) {
+    move.exact_stop = true;  // a rounded corner must not bulge past the limit
+  }
+  if (path_length(position_, move) <= kNoMove_mm) return overtravel;
+
+  if (rapid && held_back_) held_back_->exact_stop = true;
+  flush();
+  const interp::Motion& common = motion_of(operation);
+  SegmentState& entry = tags_.append();
+  entry.at = common.at;
+  entry.modal = common.modal;
+  entry.main_offset = main_offset;
+  entry.cycle = common.cycle;
+  entry.cutting = !rapid;
+  move.tag = last_tag_ = entry.tag;
+  position_ = end_of(move);
+  held_back_ = move;
+  return overtravel;
+}
+
+void MotionFeed::flush() {
+  if (!held_back_) return;
+  kernel_.push(*held_back_);
+  if (observer_) observer_(*held_back_);
+  held_back_.reset();
+}
+
+void MotionFeed::finish() {
+  if (held_back_) held_back_->exact_stop = true;
+  flush();
+  kernel_.finish();
+}
+
+}  // namespace headstock::operation

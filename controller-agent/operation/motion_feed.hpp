@@ -1,0 +1,73 @@
+// From canonical motion to the kernel's moves: geometry, feed, corners, and the check of the travel limits
+// before a move is handed over. Look-ahead thread only.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "axes/travel_limits.hpp"
+#include "interpreter/canonical.hpp"
+#include "machine/machine.hpp"
+#include "motion/kernel.hpp"
+#include "operation/tag_ring.hpp"
+
+namespace headstock::operation {
+
+/// Switches that change how a move is made, fixed for one run.
+struct FeedRules {
+  bool dry_run = false;
+  double dry_run_mm_min = 1'000;  ///< FANUC No. 1410
+};
+
+/// Is it one of Rapid, Feed, Arc, Thread?
+bool is_motion(const interp::Operation& operation);
+const interp::Motion& motion_of(const interp::Operation& operation);
+/// The kernel's geometry of a canonical arc.
+motion::Arc arc_geometry(const machine::Machine& machine, const interp::Arc& arc);
+
+class MotionFeed {
+ public:
+  MotionFeed(const machine::Machine& machine, motion::Kernel& kernel, TagRing& tags)
+      : machine_(machine), kernel_(kernel), tags_(tags) {}
+
+  /// The axes stand here and nothing is queued.
+  void set_position(const AxisVector& position);
+  void set_rules(const FeedRules& rules) { rules_ = rules; }
+
+  /// Room for one more move? `traced`: tag being traced.
+  bool has_room(std::uint64_t traced) const { return kernel_.can_push() && tags_.has_room(traced); }
+
+  /// Hands a move to the kernel. Precondition: has_room(), is_motion().
+  /// @return what limit it would pass: then only the part before the limit has been handed over, with a stop
+  /// at its end.
+  std::optional<axes::Overtravel> add(const interp::Operation& operation, std::uint64_t main_offset);
+
+  /// The next move is not known yet (data are waited for): what is held back goes to the kernel.
+  void flush();
+  /// Something else than a move comes next: the last move ends at rest.
+  void finish();
+
+  /// Called with every move as the kernel gets it. For virtual time: judging the commanded path.
+  void on_move(std::function<void(const motion::Move&)> observer) { observer_ = std::move(observer); }
+
+  /// Tag of the last move handed over; 0 when none since set_position().
+  std::uint64_t last_tag() const { return last_tag_; }
+  /// Where the last move ends.
+  const AxisVector& position() const { return position_; }
+
+ private:
+  motion::Move make(const interp::Operation& operation) const;
+
+  const machine::Machine& machine_;
+  motion::Kernel& kernel_;
+  TagRing& tags_;
+  FeedRules rules_;
+  AxisVector position_{};
+  std::uint64_t last_tag_ = 0;
+  // A positioning does not begin before the cut has stopped (0i-D: deceleration at the end of the block
+  // before G00), so the end of a move is known only when the next one is.
+  std::optional<motion::Move> held_back_;
+  std::function<void(const motion::Move&)> observer_;
+};
+
+}  // namespace headstock::operation

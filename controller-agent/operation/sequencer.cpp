@@ -1,0 +1,255 @@
+// The look-ahead: pulls canonical operations, turns moves into segments of the kernel, and lets happen
+// between the moves what has to happen between them. Waits are states, never blocking calls.
+#include <thread>
+#include <utility>
+
+#include "operation/controller_impl.hpp"
+#include "operation/overtravel_alarm.hpp"
+
+namespace headstock::operation {
+namespace {
+
+constexpr int kOperationsAPiece = 256;
+constexpr int kPlansAPiece = 64;
+// After cycle start the first data may take a moment; once the axes have moved there is no waiting for more.
+constexpr double kFirstDataWithin_s = 2.0;
+
+const interp::SourcePosition& position_of(const interp::Operation& operation) {
+  return std::visit([](const auto& o) -> const interp::SourcePosition& { return o.at; }, operation);
+}
+
+plc::Turning turning(interp::SpindleDirection direction) {
+  switch (direction) {
+    case interp::SpindleDirection::cw:
+      return plc::Turning::clockwise;
+    case interp::SpindleDirection::ccw:
+      return plc::Turning::counterclockwise;
+    case interp::SpindleDirection::stop:
+      break;
+  }
+  return plc::Turning::stop;
+}
+
+Interlude function(const plc::Request& request) {
+  Interlude interlude;
+  interlude.kind = Interlude::Kind::function;
+  interlude.request = request;
+  return interlude;
+}
+
+}  // namespace
+
+bool Controller::Impl::work() {
+  while (waiting.load(std::memory_order_relaxed) > 0) std::this_thread::yield();
+  std::lock_guard guard(lock);
+  if (phase == Phase::aborting) {
+    if (!realtime.aborted()) return false;
+    after_abort();
+    state_changed();
+    return phase != Phase::aborting;
+  }
+  if (phase != Phase::running) return false;
+
+  const std::uint64_t tag_before = tags.newest();
+  const Await await_before = await;
+  if (await == Await::commit) {
+    if (events_committed < commit_event) return false;
+    finish_run("completed");
+    phase = Phase::idle;
+    realtime.running = false;
+    await = Await::nothing;
+    state_changed();
+    return true;
+  }
+  if (await != Await::nothing && realtime.idle()) interlude_done();
+  if (phase == Phase::running && await == Await::nothing) pull_operations();
+
+  // Planning can be dear: at most a bounded number of pieces under the lock.
+  bool more = true;
+  for (int i = 0; i < kPlansAPiece && more; ++i) more = kernel.plan();
+  planned = !more;
+  if (planned && !realtime.idle()) realtime.planned();
+  state_changed();
+  return more || tags.newest() != tag_before || await != await_before;
+}
+
+bool Controller::Impl::blocks_differ(const interp::SourcePosition& a, const interp::SourcePosition& b) const {
+  return a.program != b.program || a.line != b.line || a.byte_offset != b.byte_offset;
+}
+
+void Controller::Impl::pull_operations() {
+  for (int i = 0; i < kOperationsAPiece && await == Await::nothing && phase == Phase::running; ++i) {
+    if (!has_operation) {
+      if (!feed.has_room(realtime.state().sample.tag)) return;
+      switch (interpreter.next(operation)) {
+        case interp::Pull::wait:
+          feed.flush();
+          data_ran_out();
+          return;
+        case interp::Pull::finished:  // an End or Alarm has been taken up before: nothing is left to do
+          return;
+        case interp::Pull::operation:
+          break;
+      }
+      has_operation = true;
+      wait_since_period = 0;
+      if (observer) observer(operation);
+    }
+    const interp::SourcePosition& at = position_of(operation);
+    if (single_block && last_block.line != 0 && blocks_differ(last_block, at)) {
+      last_block = {};
+      post(Await::block_stop, {});
+      return;
+    }
+    has_operation = false;
+    last_block = at;
+    if (!programs.knows(at.program)) main_offset = at.byte_offset;
+    take(operation);
+  }
+}
+
+void Controller::Impl::take(const interp::Operation& taken) {
+  if (is_motion(taken)) {
+    anything_moved = true;
+    overtravel = feed.add(taken, main_offset);
+    if (!overtravel) return;
+    const char axis = machine.axes[overtravel->axis].name;
+    raised_here = overtravel_alarm(machine.profile, axis, overtravel->positive);
+    pending_alarm = {motion_of(taken).at, std::string(raised_here.code), std::string(1, axis)};
+    post(Await::alarm, {});
+    return;
+  }
+  if (const auto* dwell = std::get_if<interp::Dwell>(&taken)) {
+    Interlude interlude;
+    interlude.kind = Interlude::Kind::dwell;
+    interlude.seconds = dwell->seconds;
+    interlude.revolutions = dwell->revolutions;
+    post(Await::dwell, interlude);
+  } else if (const auto* spindle = std::get_if<interp::Spindle>(&taken)) {
+    plc::Request request;
+    request.kind = plc::FunctionKind::spindle;
+    request.turning = turning(spindle->direction);
+    request.speed = spindle->speed;
+    request.constant_surface_speed = spindle->constant_surface_speed;
+    request.clamp_rpm = spindle->clamp_rpm;
+    post(Await::function, function(request));
+  } else if (const auto* tool = std::get_if<interp::Tool>(&taken)) {
+    plc::Request request;
+    request.kind = plc::FunctionKind::tool;
+    request.code = tool->tool;
+    request.offset = tool->offset;
+    post(Await::function, function(request));
+  } else if (const auto* m = std::get_if<interp::MCode>(&taken)) {
+    plc::Request request;
+    request.code = m->code;
+    post(Await::function, function(request));
+  } else if (const auto* text = std::get_if<interp::Message>(&taken)) {
+    message = text->text;
+  } else if (const auto* stop = std::get_if<interp::Stop>(&taken)) {
+    if (!stop->optional || optional_stop) post(Await::program_stop, {});
+  } else if (const auto* alarm = std::get_if<interp::Alarm>(&taken)) {
+    raised_here = {};
+    pending_alarm = *alarm;
+    post(Await::alarm, {});
+  } else if (const auto* over = std::get_if<interp::End>(&taken)) {
+    end = *over;
+    // An alarm has been reported by its own operation; the end after it adds nothing.
+    if (over->reason != interp::EndReason::alarm) post(Await::end, {});
+  }
+}
+
+void Controller::Impl::post(Await what, Interlude interlude) {
+  feed.finish();
+  interlude.after_tag = feed.last_tag();
+  await = what;
+  realtime.post(interlude);
+}
+
+void Controller::Impl::interlude_done() {
+  switch (std::exchange(await, Await::nothing)) {
+    case Await::nothing:
+    case Await::function:
+    case Await::dwell:
+    case Await::commit:
+      return;
+    case Await::block_stop:
+    case Await::program_stop:
+      last_block = {};
+      phase = Phase::stopped;
+      realtime.running = false;
+      return;
+    case Await::alarm:
+      phase = Phase::faulted;
+      realtime.running = false;
+      raise(pending_alarm.code, pending_alarm.detail, pending_alarm.at, raised_here);
+      finish_run("alarm");
+      return;
+    case Await::end:
+      end_program();
+      return;
+  }
+}
+
+void Controller::Impl::data_ran_out() {
+  const RealtimeState& now = realtime.state();
+  if (wait_since_period == 0) wait_since_period = now.periods + 1;
+  const double waited_s = static_cast<double>(now.periods + 1 - wait_since_period) * period_s();
+  const motion::Sample& sample = now.sample;
+  const bool all_traced =
+      planned && !sample.moving &&
+      (sample.starved || (sample.queue_empty && (feed.last_tag() == 0 || sample.tag == feed.last_tag())));
+  // Two periods: the sample must have been made after the last data were planned.
+  const bool ran_out = all_traced && now.periods > wait_since_period + 1;
+  if (!ran_out || (!anything_moved && waited_s < kFirstDataWithin_s)) return;
+  realtime.hold = true;
+  const MachineAlarm text = starved_message();
+  raise(std::string(text.code), {}, last_block, text, true);
+  wait_since_period = 0;
+}
+
+void Controller::Impl::end_program() {
+  last_cycle_s = static_cast<double>(realtime.state().run_periods - run_periods_base) * period_s();
+  if (!end.counts_part) {
+    finish_run("completed");
+    phase = Phase::idle;
+    realtime.running = false;
+    return;
+  }
+  ++retained.parts;
+  ++retained.parts_total;
+  emit(PartCounted{retained.parts, retained.parts_total, selection.name, selection.revision_hash,
+                   last_cycle_s});
+  commit_event = events_made;
+  await = Await::commit;
+}
+
+void Controller::Impl::finish_run(const char* outcome) {
+  if (!std::exchange(run_open, false)) return;
+  const RealtimeState& now = realtime.state();
+  emit(RunEnded{retained.last_run, outcome,
+                static_cast<double>(now.run_periods - run_periods_base) * period_s(),
+                static_cast<double>(now.cutting_periods - cutting_periods_base) * period_s()});
+}
+
+void Controller::Impl::after_abort() {
+  const RealtimeState& now = realtime.state();
+  // Without power, or after machine lock, only the measured position is true.
+  const bool measured = emergency || unlocked;
+  if (measured && !now.drives_at_rest) return;
+  const AxisVector position = measured ? now.actual : now.sample.position;
+  kernel.set_position(position);
+  feed.set_position(position);
+  interpreter.reset(position);
+  realtime.hold = false;
+  realtime.running = false;
+  realtime.abort_over();
+  // Only now, when the commanded position is the measured one again, may the drives follow it.
+  if (unlocked) realtime.machine_lock = false;
+  unlocked = false;
+  await = Await::nothing;
+  has_operation = false;
+  last_block = {};
+  phase = Phase::idle;
+}
+
+}  // namespace headstock::operation

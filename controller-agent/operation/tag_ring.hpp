@@ -1,0 +1,47 @@
+// What rides on every segment: the block it comes from and the modal state it was made under. The look-ahead
+// writes an entry before the kernel gets the move; whoever shows or carries out a sample looks the entry up
+// by the sample's tag.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "interpreter/canonical.hpp"
+#include "motion/kernel.hpp"
+
+namespace headstock::operation {
+
+using machine::AxisVector;
+
+struct SegmentState {
+  std::uint64_t tag = 0;  ///< 0: nothing has moved yet
+  interp::SourcePosition at;
+  interp::ModalSnapshot modal;
+  std::uint64_t main_offset = 0;  ///< byte offset reached in the main program, for progress
+  const char* cycle = nullptr;
+  bool cutting = false;  ///< not a rapid
+};
+
+class TagRing {
+ public:
+  // Twice the kernel's queue: an entry that is still to be traced is never overwritten.
+  static constexpr std::uint64_t kEntries = 2 * motion::Kernel::kQueueMoves;
+
+  TagRing() : entries_(kEntries) {}
+  /// Look-ahead thread. `traced` is the tag being traced now.
+  bool has_room(std::uint64_t traced) const noexcept { return newest_ - traced < kEntries - 2; }
+  SegmentState& append() noexcept {
+    SegmentState& entry = entries_[++newest_ % kEntries];
+    entry.tag = newest_;
+    return entry;
+  }
+  std::uint64_t newest() const noexcept { return newest_; }
+  /// Any thread that got `tag` from a sample (the kernel's queue orders this read after the write).
+  const SegmentState& find(std::uint64_t tag) const noexcept { return entries_[tag % kEntries]; }
+
+ private:
+  std::vector<SegmentState> entries_;
+  std::uint64_t newest_ = 0;
+};
+
+}  // namespace headstock::operation

@@ -1,0 +1,1 @@
+headstock_bench(motion SOURCES motion_bench.cpp DEPENDS headstock_motion)
