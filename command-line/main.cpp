@@ -1,21 +1,27 @@
-// `headstock`: the command line.
+// `headstock`: the client of the server, and the tools that need no server.
+
 #include <CLI/CLI.hpp>
 
+#include "client/client.hpp"
 #include "offline/offline.hpp"
 #include "offline/simulate.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app{"Headstock: machine-shop programs, machines and controllers", "headstock"};
+  app.set_version_flag("--version", std::string("headstock ") + HEADSTOCK_VERSION);
   app.require_subcommand(1);
-  int exit_status = 0;
-  headstock::offline::add_interpret(app, exit_status);
-  headstock::offline::add_check(app, exit_status);
-  headstock::offline::add_profile(app, exit_status);
-  headstock::offline::add_simulate(app, exit_status);
+  headstock::client::Context context;
+  headstock::offline::add_interpret(app, context.status);
+  headstock::offline::add_check(app, context.status);
+  headstock::offline::add_profile(app, context.status);
+  headstock::offline::add_simulate(app, context.status);
+  headstock::client::add_client(app, context);
+  app.footer("Exit status of the client's commands: 0 done, 1 usage or a local file, 2 refused by server or machine,\n"
+             "3 server not reachable, 4 not signed in. The offline tools: 0 done, 1 usage or a file, 2 an alarm.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 1;
   }
-  return exit_status;
+  return context.status;
 }

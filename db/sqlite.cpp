@@ -1,7 +1,7 @@
 // The only file that knows SQLite.
 #include <sqlite3.h>
+#include <sys/resource.h>
 
-#include <cerrno>
 #include <unordered_map>
 
 #include "db/database.hpp"
@@ -14,7 +14,19 @@ namespace fs = std::filesystem;
 /// How long a writer waits for a lock. Only another process could hold one: this one has a single connection.
 constexpr int kBusyTimeoutMs = 2'000;
 
-Problem problem_of(int code, int system_error) {
+/// Less than this free counts as full: SQLite does not say why a write failed when it was not plainly "no
+/// space".
+constexpr std::uintmax_t kLittleRoom = 1u << 20;
+
+bool out_of_room(const std::string& file) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) return true;
+  std::error_code error;
+  const auto space = fs::space(fs::path(file).parent_path(), error);
+  return !error && space.available < kLittleRoom;
+}
+
+Problem problem_of(int code, const std::string& file) {
   switch (code & 0xff) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
@@ -25,8 +37,7 @@ Problem problem_of(int code, int system_error) {
     case SQLITE_FULL:
       return Problem::disk_full;
     case SQLITE_IOERR:
-      return system_error == ENOSPC || system_error == EDQUOT || system_error == EFBIG ? Problem::disk_full
-                                                                                       : Problem::unreadable;
+      return out_of_room(file) ? Problem::disk_full : Problem::unreadable;
     case SQLITE_CANTOPEN:
     case SQLITE_PERM:
     case SQLITE_READONLY:
@@ -188,7 +199,7 @@ class Sqlite final : public Database {
   }
 
   [[noreturn]] void fail() {
-    const Problem problem = problem_of(sqlite3_extended_errcode(handle_), sqlite3_system_errno(handle_));
+    const Problem problem = problem_of(sqlite3_extended_errcode(handle_), file_);
     throw Error(problem, advice(problem, file_, sqlite3_errmsg(handle_)));
   }
 

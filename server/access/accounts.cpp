@@ -46,19 +46,22 @@ Accounts::Accounts(db::Store& store, db::Pool& workers, SignInPolicy policy)
     : store_(store), workers_(workers), policy_(policy) {}
 
 asio::awaitable<db::UserRow> Accounts::checked(std::string user, std::string password, std::string address) {
-  const auto row = co_await store_.run([user](db::Database& db) { return db::user_named(db, user); });
+  const auto find = [user](db::Database& db) { return db::user_named(db, user); };
+  const auto row = co_await store_.run(find);
   const std::int64_t now = db::now_ms();
   // Before the hash: somebody who guesses must not keep the workers busy.
   if (row && row->locked_until_ms > now)
     throw db::Refusal("locked_out", seconds_left(row->locked_until_ms, now));
   if (password.size() > 1000) throw db::Refusal("wrong_sign_in");
   const std::string hash = row ? row->password : std::string();
-  const bool right = co_await workers_.run([password, hash] { return verify_password(password, hash); });
+  const auto on_worker = [password, hash] { return verify_password(password, hash); };
+  const bool right = co_await workers_.run(on_worker);
   if (!row) throw db::Refusal("wrong_sign_in");
   if (!right || row->disabled) {
-    co_await store_.run([row, address, policy = policy_, now](db::Database& db) {
+    const auto count = [row, address, policy = policy_, now](db::Database& db) {
       count_failure(db, *row, address, policy, now);
-    });
+    };
+    co_await store_.run(count);
     throw db::Refusal("wrong_sign_in");
   }
   co_return *row;
@@ -66,7 +69,7 @@ asio::awaitable<db::UserRow> Accounts::checked(std::string user, std::string pas
 
 asio::awaitable<Session> Accounts::sign_in(std::string user, std::string password, std::string address) {
   const db::UserRow row = co_await checked(std::move(user), std::move(password), address);
-  co_return co_await store_.run([row, address, policy = policy_](db::Database& db) {
+  const auto start = [row, address, policy = policy_](db::Database& db) {
     const std::int64_t now = db::now_ms();
     db::Transaction transaction(db);
     // Read again: the account may have been changed, or locked by somebody else's guesses, while we were
@@ -86,15 +89,17 @@ asio::awaitable<Session> Accounts::sign_in(std::string user, std::string passwor
     record(db, session.actor(address), "session.start", std::string("user:").append(std::to_string(row.id)));
     transaction.commit();
     return session;
-  });
+  };
+  co_return co_await store_.run(start);
 }
 
 asio::awaitable<void> Accounts::change_password(Actor actor, std::string token, std::string old_password,
                                                 std::string new_password) {
   demand_good_password(new_password, actor.user);
   const db::UserRow row = co_await checked(actor.user, std::move(old_password), actor.address);
-  const std::string hash = co_await workers_.run([new_password] { return hash_password(new_password); });
-  co_await store_.run([actor, row, token, hash](db::Database& db) {
+  const auto on_worker = [new_password] { return hash_password(new_password); };
+  const std::string hash = co_await workers_.run(on_worker);
+  const auto change = [actor, row, token, hash](db::Database& db) {
     db::Transaction transaction(db);
     auto current = db::user(db, row.id);
     if (!current || current->password != row.password) throw db::Refusal("wrong_sign_in");
@@ -107,15 +112,17 @@ asio::awaitable<void> Accounts::change_password(Actor actor, std::string token, 
     if (kept && kept->user == row.id) db::insert_session(db, *kept);
     record(db, actor, "user.password", std::string("user:").append(std::to_string(row.id)));
     transaction.commit();
-  });
+  };
+  co_await store_.run(change);
 }
 
 asio::awaitable<User> Accounts::create(Actor actor, NewUser user, std::string password) {
   demand(actor, Action::manage_users);
   demand_good_password(password, user.user);
-  user.password_hash = co_await workers_.run([password] { return hash_password(password); });
-  co_return co_await store_.run(
-      [actor, user](db::Database& db) { return create_user(db, actor, user, db::now_ms()); });
+  const auto on_worker = [password] { return hash_password(password); };
+  user.password_hash = co_await workers_.run(on_worker);
+  const auto create = [actor, user](db::Database& db) { return create_user(db, actor, user, db::now_ms()); };
+  co_return co_await store_.run(create);
 }
 
 asio::awaitable<User> Accounts::change(Actor actor, std::int64_t id, UserChange change,
@@ -123,10 +130,13 @@ asio::awaitable<User> Accounts::change(Actor actor, std::int64_t id, UserChange 
   if (password) {
     demand(actor, Action::manage_users);
     demand_good_password(*password, {});
-    change.password_hash = co_await workers_.run([text = *password] { return hash_password(text); });
+    const auto on_worker = [text = *password] { return hash_password(text); };
+    change.password_hash = co_await workers_.run(on_worker);
   }
-  co_return co_await store_.run(
-      [actor, id, change](db::Database& db) { return change_user(db, actor, id, change, db::now_ms()); });
+  const auto in_store = [actor, id, change](db::Database& db) {
+    return change_user(db, actor, id, change, db::now_ms());
+  };
+  co_return co_await store_.run(in_store);
 }
 
 }  // namespace headstock::access

@@ -245,7 +245,7 @@ asio::awaitable<void> Fleet::refresh() {
 }
 
 asio::awaitable<std::int64_t> Fleet::redeem_token(std::string secret) {
-  co_return co_await impl_->store.run([hash = db::sha256_hex(secret)](db::Database& db) {
+  const auto in_store = [hash = db::sha256_hex(secret)](db::Database& db) {
     db::Transaction transaction(db);
     const std::int64_t machine = db::use_token(db, hash, db::now_ms());
     if (machine != 0)
@@ -253,29 +253,32 @@ asio::awaitable<std::int64_t> Fleet::redeem_token(std::string secret) {
                      std::string("machine:").append(std::to_string(machine)));
     transaction.commit();
     return machine;
-  });
+  };
+  co_return co_await impl_->store.run(in_store);
 }
 
 asio::awaitable<void> Fleet::certificate_issued(std::int64_t machine, std::string serial_hex) {
-  co_await impl_->store.run([=](db::Database& db) {
+  const auto in_store = [=](db::Database& db) {
     db::Transaction transaction(db);
     db::insert_certificate(db, machine, serial_hex, db::now_ms());
     access::record(db, access::Actor{}, "machine.certificate",
                    std::string("machine:").append(std::to_string(machine)), {{"serial", serial_hex}});
     transaction.commit();
-  });
+  };
+  co_await impl_->store.run(in_store);
 }
 
 asio::awaitable<bool> Fleet::certificate_valid(std::int64_t machine, std::string serial_hex) {
-  co_return co_await impl_->store.run(
-      [=](db::Database& db) { return db::certificate_valid(db, machine, serial_hex); });
+  const auto in_store = [=](db::Database& db) { return db::certificate_valid(db, machine, serial_hex); };
+  co_return co_await impl_->store.run(in_store);
 }
 
 asio::awaitable<std::string> Fleet::machine_name(std::int64_t machine) {
-  co_return co_await impl_->store.run([machine](db::Database& db) {
+  const auto in_store = [machine](db::Database& db) {
     const auto row = db::machine(db, machine);
     return row ? row->name : std::string();
-  });
+  };
+  co_return co_await impl_->store.run(in_store);
 }
 
 void Fleet::connected(std::int64_t machine, const json& hello) {
@@ -359,8 +362,10 @@ void Fleet::live(std::int64_t machine, json live) {
 asio::awaitable<std::uint64_t> Fleet::events(std::int64_t machine, std::string spool_id, json events) {
   const std::weak_ptr<int> alive = impl_->life;
   if (Entry* entry = impl_->find(machine)) entry->heard_ms = db::now_ms();
-  const Intake intake = co_await impl_->store.run(
-      [=](db::Database& db) { return take_in(db, machine, spool_id, events, db::now_ms()); });
+  const auto in_store = [=](db::Database& db) {
+    return take_in(db, machine, spool_id, events, db::now_ms());
+  };
+  const Intake intake = co_await impl_->store.run(in_store);
   if (alive.lock()) impl_->tell(intake, machine);
   co_return intake.sequence;
 }
@@ -379,8 +384,8 @@ asio::awaitable<void> Fleet::census(std::int64_t machine, json programs) {
       rows.push_back(std::move(row));
     }
   const std::weak_ptr<int> alive = impl_->life;
-  co_await impl_->store.run(
-      [=](db::Database& db) { db::replace_residents(db, machine, rows, db::now_ms()); });
+  const auto in_store = [=](db::Database& db) { db::replace_residents(db, machine, rows, db::now_ms()); };
+  co_await impl_->store.run(in_store);
   if (alive.lock())
     impl_->changes.publish(
         {"machine", machine, std::make_shared<const json>(json{{"id", machine}, {"changed", "programs"}})});

@@ -32,7 +32,7 @@ json to_json(const CheckResult& result) {
 CheckResult check_result_from_json(const json& from) {
   CheckResult result;
   result.ok = from.value("ok", false);
-  for (const auto& finding : from.value("findings", nlohmann::json::array()))
+  for (const auto& finding : from.value("findings", json::array()))
     result.findings.push_back({finding.value("line", std::int64_t{0}),
                                finding.value("column", std::int64_t{0}), finding.value("code", ""),
                                finding.at("text").value("en", ""), finding.at("text").value("zh", "")});
@@ -41,7 +41,8 @@ CheckResult check_result_from_json(const json& from) {
   result.length_mm = from.value("length_mm", 0.0);
   result.timed = from.value("timed", true);
   result.blocks = from.value("blocks", std::int64_t{0});
-  for (const auto& [axis, range] : from.value("bounds", nlohmann::json::object()).items())
+  const json bounds = from.value("bounds", json::object());
+  for (const auto& [axis, range] : bounds.items())
     result.bounds.push_back({axis, range.at(0).get<double>(), range.at(1).get<double>()});
   result.tools = from.value("tools", std::vector<std::int64_t>{});
   result.machine = from.value("machine", std::int64_t{0});

@@ -70,9 +70,10 @@ struct Checks::Impl {
       : store(the_store), workers(the_workers), blobs(the_blobs) {}
 
   asio::awaitable<Prepared> read(std::int64_t program, std::int64_t revision, std::int64_t machine) {
-    co_return co_await store.run([this, program, revision, machine](db::Database& db) {
+    const auto in_store = [this, program, revision, machine](db::Database& db) {
       return prepare(db, blobs, program, revision, machine);
-    });
+    };
+    co_return co_await store.run(in_store);
   }
 
   db::Store& store;
@@ -123,18 +124,19 @@ asio::awaitable<CheckResult> Checks::check(access::Actor actor, std::int64_t pro
         impl.running.erase(found);
       }
     } done{*impl_, key};
-    CheckResult result =
-        co_await impl_->workers.run([job = std::move(prepared.job), stop = impl_->stop]() mutable {
-          job.cancel = stop.get();
-          return run_check(job);
-        });
+    auto on_worker = [job = std::move(prepared.job), stop = impl_->stop]() mutable {
+      job.cancel = stop.get();
+      return run_check(job);
+    };
+    CheckResult result = co_await impl_->workers.run(on_worker);
     if (*impl_->stop) throw db::Refusal("cancelled");
     result.machine = machine;
     result.at_ms = db::now_ms();
     row.ok = result.ok;
     row.result_json = to_json(result).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     row.at_ms = result.at_ms;
-    co_await impl_->store.run([row](db::Database& db) { db::put_check(db, row); });
+    const auto in_store = [row](db::Database& db) { db::put_check(db, row); };
+    co_await impl_->store.run(in_store);
     co_return result;
   }
 }
@@ -150,11 +152,11 @@ asio::awaitable<Backplot> Checks::backplot(std::int64_t program, std::int64_t re
                                            std::string profile, std::int64_t max_points) {
   Prepared prepared = co_await impl_->read(program, revision, machine);
   if (machine == 0) prepared.job.machine.profile = std::move(profile);
-  co_return co_await impl_->workers.run(
-      [job = std::move(prepared.job), stop = impl_->stop, max_points]() mutable {
-        job.cancel = stop.get();
-        return run_backplot(job, max_points);
-      });
+  auto on_worker = [job = std::move(prepared.job), stop = impl_->stop, max_points]() mutable {
+    job.cancel = stop.get();
+    return run_backplot(job, max_points);
+  };
+  co_return co_await impl_->workers.run(on_worker);
 }
 
 }  // namespace headstock::library

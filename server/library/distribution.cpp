@@ -135,7 +135,8 @@ struct Distributor::Impl : std::enable_shared_from_this<Distributor::Impl> {
   /// Everything that can be said before bytes flow. @return the reason against it, or empty.
   asio::awaitable<std::string> reason_against(db::TransferRow row) {
     if (!carrier.is_connected(row.machine)) co_return "not_connected";
-    const CheckResult check = co_await checks.check(Actor{}, row.program, row.revision, row.machine);
+    const Actor server;
+    const CheckResult check = co_await checks.check(server, row.program, row.revision, row.machine);
     co_return check.ok ? "" : "check_failed";
   }
 
@@ -230,7 +231,7 @@ asio::awaitable<db::DistributionRow> Distributor::distribute(Actor actor, std::i
   std::ranges::sort(machines);
   machines.erase(std::unique(machines.begin(), machines.end()), machines.end());
   const auto impl = impl_;
-  db::DistributionRow plan = co_await impl->store.run([=](db::Database& db) {
+  const auto make_plan = [=](db::Database& db) {
     db::Transaction transaction(db);
     const db::ProgramRow what = require_program(db, program);
     const db::RevisionRow which = require_revision(db, program, revision);
@@ -260,7 +261,8 @@ asio::awaitable<db::DistributionRow> Distributor::distribute(Actor actor, std::i
             {"distribution", std::to_string(row.id)}});
     transaction.commit();
     return row;
-  });
+  };
+  db::DistributionRow plan = co_await impl->store.run(make_plan);
   for (db::TransferRow& row : plan.transfers) {
     if (!is_over(row.state)) {
       impl->open[row.id] = row;
@@ -280,13 +282,14 @@ asio::awaitable<db::TransferRow> Distributor::drip(Actor actor, std::int64_t mac
                                                    std::int64_t revision) {
   demand(actor, Action::open_drip);
   const auto impl = impl_;
-  db::TransferRow row = co_await impl->store.run([=](db::Database& db) {
+  const auto prepare = [=](db::Database& db) {
     if (!db::machine(db, machine))
       throw db::Refusal("not_found", std::string("machine:").append(std::to_string(machine)));
     const db::RevisionRow which = require_revision(db, program, revision);
     if (!which.released) throw db::Refusal("not_released");
     return new_transfer(actor, require_program(db, program), which, machine, "drip", db::now_ms());
-  });
+  };
+  db::TransferRow row = co_await impl->store.run(prepare);
   const bool open_already = std::ranges::any_of(impl->open, [&](const auto& entry) {
     return entry.second.kind == "drip" && entry.second.machine == machine;
   });
@@ -300,7 +303,7 @@ asio::awaitable<db::TransferRow> Distributor::drip(Actor actor, std::int64_t mac
     throw db::Refusal(reason);
   row.started_ms = db::now_ms();
   row.state = "sending";
-  row.id = co_await impl->store.run([=](db::Database& db) {
+  const auto insert = [=](db::Database& db) {
     db::Transaction transaction(db);
     const std::int64_t id = db::insert_transfer(db, row);
     record(db, actor, "drip.open", subject(id),
@@ -309,7 +312,8 @@ asio::awaitable<db::TransferRow> Distributor::drip(Actor actor, std::int64_t mac
             {"revision", std::to_string(revision)}});
     transaction.commit();
     return id;
-  });
+  };
+  row.id = co_await impl->store.run(insert);
   impl->open[row.id] = row;
   const server::MachineAnswer answer = co_await impl->offer(row);
   if (!answer.accepted) {
@@ -327,8 +331,8 @@ asio::awaitable<db::TransferRow> Distributor::cancel(Actor actor, std::int64_t t
   const auto row = co_await find(transfer);
   if (!row) throw db::Refusal("not_found", subject(transfer));
   if (is_over(row->state)) throw db::Refusal("transfer_over", row->state);
-  co_await impl->store.run(
-      [=](db::Database& db) { record(db, actor, "transfer.cancel", subject(transfer)); });
+  const auto note = [=](db::Database& db) { record(db, actor, "transfer.cancel", subject(transfer)); };
+  co_await impl->store.run(note);
   db::TransferRow copy = *row;
   if (const db::TransferRow* now = impl->find_open(transfer)) copy = *now;
   end(copy, "cancelled", "cancelled_by_user");
@@ -340,12 +344,14 @@ asio::awaitable<db::TransferRow> Distributor::cancel(Actor actor, std::int64_t t
 asio::awaitable<std::optional<db::TransferRow>> Distributor::find(std::int64_t transfer) {
   const auto impl = impl_;
   if (const db::TransferRow* row = impl->find_open(transfer)) co_return *row;
-  co_return co_await impl->store.run([transfer](db::Database& db) { return db::transfer(db, transfer); });
+  const auto read = [transfer](db::Database& db) { return db::transfer(db, transfer); };
+  co_return co_await impl->store.run(read);
 }
 
 asio::awaitable<db::Listed<db::TransferRow>> Distributor::list(db::TransferFilter filter, db::Page page) {
   const auto impl = impl_;
-  auto rows = co_await impl->store.run([=](db::Database& db) { return db::transfers(db, filter, page); });
+  const auto read = [=](db::Database& db) { return db::transfers(db, filter, page); };
+  auto rows = co_await impl->store.run(read);
   for (db::TransferRow& row : rows.items)
     if (const db::TransferRow* now = impl->find_open(row.id)) row = *now;
   co_return rows;

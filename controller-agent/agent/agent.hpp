@@ -1,0 +1,79 @@
+// One machine's agent: the controller, its threads, its memory, its panel and its link to the server, put together.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "agent/data_folder.hpp"
+#include "agent/machine_clock.hpp"
+#include "agent/retained.hpp"
+#include "agent/storage.hpp"
+#include "interpreter/interpreter.hpp"
+#include "link/link.hpp"
+#include "link/program_memory.hpp"
+#include "link/spool.hpp"
+#include "machine/machine.hpp"
+#include "operation/controller.hpp"
+
+namespace headstock::agent {
+
+class PanelServer;
+
+struct AgentOptions {
+  std::filesystem::path data;          ///< --data
+  std::filesystem::path machine_file;  ///< --machine; empty: the one kept in the data folder
+  std::string host = "127.0.0.1";      ///< --server; empty: works alone
+  std::uint16_t port = 7878;
+  std::string token;                   ///< --enrol
+  Clock clock = Clock::real;           ///< --clock
+  interp::Switches switches;           ///< --set
+  std::size_t drip_buffer_bytes = 1u << 20;
+  bool set_aside_damaged = false;      ///< --set-aside-damaged
+};
+
+class Agent final : public link::LinkHost {
+ public:
+  /// Throws std::runtime_error with a sentence for the person who starts it.
+  explicit Agent(AgentOptions options);
+  ~Agent() override;
+
+  /// Runs until `stop()`. The calling thread is the network thread.
+  void run();
+  /// Any thread, signal handlers of the io_context included.
+  void stop();
+  boost::asio::io_context& io() { return io_; }
+
+  // ---- the local panel (network thread)
+  /// One request of the panel: {"do":"arm"} …; the answer is {"accepted":…,"reason":…} or the state.
+  std::string panel(const std::string& request);
+
+  // ---- the link
+  operation::Live live() override;
+  std::string selected_sha256() override;
+  operation::CommandResult command(const operation::Command& command, const std::string& user) override;
+  operation::CommandResult select(const std::string& name, const std::string& user) override;
+  operation::CommandResult open_stream(const std::string& name, const std::string& sha256,
+                                       std::unique_ptr<program::Source> stream, std::uint64_t total_bytes) override;
+  void link_up(const link::ServerSettings& settings) override;
+  void link_lost(const std::string& reason) override;
+
+ private:
+  operation::CommandResult select(const std::string& name, operation::Origin origin);
+
+  AgentOptions options_;
+  DataFolder folder_;
+  machine::Machine machine_;
+  std::unique_ptr<link::Spool> spool_;
+  std::shared_ptr<link::ProgramMemory> memory_;
+  std::unique_ptr<operation::Controller> controller_;
+  std::unique_ptr<Storage> storage_;
+  std::unique_ptr<MachineClock> clock_;
+  boost::asio::io_context io_;
+  std::unique_ptr<link::Link> link_;
+  std::unique_ptr<PanelServer> panel_;
+  SelectedProgram selected_;
+};
+
+}  // namespace headstock::agent

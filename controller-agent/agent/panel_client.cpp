@@ -1,0 +1,153 @@
+#include "agent/panel_client.hpp"
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/streambuf.hpp>
+#include <boost/asio/write.hpp>
+#include <charconv>
+#include <iostream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
+
+#include "agent/data_folder.hpp"
+
+namespace headstock::agent {
+namespace {
+
+using nlohmann::json;
+
+enum class Takes { nothing, percent, on_off, number, mode, name, file };
+struct Verb {
+  std::string_view word;
+  std::string_view action;
+  Takes takes;
+  std::string_view help;
+};
+constexpr Verb kVerbs[] = {
+    {"status", "status", Takes::nothing, "the machine's state as JSON"},
+    {"arm", "arm_remote", Takes::nothing, "permit remote operation until disarmed, link lost or restart"},
+    {"disarm", "disarm_remote", Takes::nothing, "end remote operation"},
+    {"start", "cycle_start", Takes::nothing, "cycle start"},
+    {"hold", "feed_hold", Takes::nothing, "feed hold"},
+    {"reset", "reset", Takes::nothing, "reset: stop, leave the program, clear alarms"},
+    {"estop", "emergency_stop", Takes::nothing, "emergency stop (besides the hard-wired one)"},
+    {"release", "emergency_stop_release", Takes::nothing, "release the emergency stop"},
+    {"select", "select", Takes::name, "choose the program that cycle start runs"},
+    {"load", "load", Takes::file, "copy a program file into the machine's memory"},
+    {"mode", "set_mode", Takes::mode, "edit, memory, mdi, jog, handle, reference or remote"},
+    {"feed", "set_feed_override", Takes::percent, "feed override in percent"},
+    {"rapid", "set_rapid_override", Takes::percent, "rapid override in percent"},
+    {"spindle", "set_spindle_override", Takes::percent, "spindle override in percent"},
+    {"single-block", "set_single_block", Takes::on_off, "on or off"},
+    {"optional-stop", "set_optional_stop", Takes::on_off, "on or off"},
+    {"block-skip", "set_block_skip", Takes::on_off, "on or off"},
+    {"dry-run", "set_dry_run", Takes::on_off, "on or off"},
+    {"machine-lock", "set_machine_lock", Takes::on_off, "on or off"},
+    {"required", "set_parts_required", Takes::number, "parts required"},
+    {"clear-parts", "reset_parts", Takes::nothing, "part count to zero (the total stays)"},
+};
+constexpr std::string_view kModes[] = {"edit", "memory", "mdi", "jog", "handle", "reference", "remote"};
+
+std::optional<double> number(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// Adds the argument to the request; @return false when it is not what the verb takes.
+bool add_argument(const Verb& verb, const std::string& word, json& request) {
+  switch (verb.takes) {
+    case Takes::nothing:
+      return false;
+    case Takes::percent:
+    case Takes::number: {
+      const auto value = number(word);
+      if (!value) return false;
+      request["value"] = verb.takes == Takes::percent ? *value / 100 : *value;
+      return true;
+    }
+    case Takes::on_off:
+      if (word != "on" && word != "off") return false;
+      request["value"] = word == "on" ? 1 : 0;
+      return true;
+    case Takes::mode: {
+      const auto* mode = std::find(std::begin(kModes), std::end(kModes), word);
+      if (mode == std::end(kModes)) return false;
+      request["value"] = mode - std::begin(kModes);
+      return true;
+    }
+    case Takes::name:
+      request["name"] = word;
+      return true;
+    case Takes::file:
+      request["file"] = std::filesystem::absolute(word).string();
+      return true;
+  }
+  return false;
+}
+
+json ask(const std::filesystem::path& folder, const json& request) {
+  namespace asio = boost::asio;
+  asio::io_context io;
+  asio::local::stream_protocol::socket socket(io);
+  socket.connect(asio::local::stream_protocol::endpoint(DataFolder::panel_socket(folder).string()));
+  asio::write(socket, asio::buffer(request.dump() + "\n"));
+  asio::streambuf input;
+  asio::read_until(socket, input, '\n');
+  return json::parse(asio::buffers_begin(input.data()), asio::buffers_end(input.data()), nullptr, false);
+}
+
+bool chinese() {
+  const char* language = std::getenv("LANG");
+  return language && std::string_view(language).substr(0, 2) == "zh";
+}
+
+}  // namespace
+
+std::string panel_help() {
+  std::string text = "Panel commands:\n";
+  for (const Verb& verb : kVerbs) {
+    text += "  " + std::string(verb.word) + std::string(16 - verb.word.size(), ' ') + std::string(verb.help) + "\n";
+  }
+  return text;
+}
+
+int run_panel(const std::filesystem::path& folder, const std::vector<std::string>& words) {
+  const auto* verb = words.empty() ? std::end(kVerbs)
+                                   : std::find_if(std::begin(kVerbs), std::end(kVerbs),
+                                                  [&](const Verb& v) { return v.word == words[0]; });
+  if (verb == std::end(kVerbs)) {
+    std::cerr << "headstock-agent panel: which button?\n" << panel_help();
+    return 1;
+  }
+  json request = {{"do", verb->action}};
+  const bool wants_argument = verb->takes != Takes::nothing;
+  if (words.size() != (wants_argument ? 2u : 1u) || (wants_argument && !add_argument(*verb, words[1], request))) {
+    std::cerr << "headstock-agent panel " << verb->word << ": " << verb->help << "\n";
+    return 1;
+  }
+  json answer;
+  try {
+    answer = ask(folder, request);
+  } catch (const boost::system::system_error& error) {
+    std::cerr << "headstock-agent panel: no agent answers in " << folder.string() << " (" << error.code().message()
+              << ")\n";
+    return 1;
+  }
+  if (verb->action == "status") {
+    std::cout << answer.dump(2) << "\n";
+    return 0;
+  }
+  if (answer.value("accepted", false)) return 0;
+  const std::string reason = answer.value("reason", "");
+  const json text = answer.value("text", json::object());
+  std::cerr << "refused: " << text.value(chinese() ? "zh" : "en", reason) << "\n";
+  return 2;
+}
+
+}  // namespace headstock::agent

@@ -1,0 +1,92 @@
+#include "agent/retained.hpp"
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace headstock::agent {
+namespace {
+
+using nlohmann::json;
+constexpr const char* kCounters = "counters";
+constexpr const char* kSelected = "selected";
+constexpr const char* kData = "data";
+
+std::vector<char> axis_names(const machine::Machine& machine) {
+  std::vector<char> names;
+  for (const machine::Axis& axis : machine.axes) names.push_back(axis.name);
+  return names;
+}
+
+json parsed(const link::Spool& spool, const char* key) {
+  const auto text = spool.retained(key);
+  if (!text) return nullptr;
+  json value = json::parse(*text, nullptr, false);
+  if (!value.is_object()) throw std::runtime_error(std::string("the stored value '") + key + "' cannot be read");
+  return value;
+}
+
+}  // namespace
+
+link::RetainedValue counters_value(const operation::Retained& r) {
+  const json value = {{"parts", r.parts},
+                      {"parts_total", r.parts_total},
+                      {"parts_required", r.parts_required},
+                      {"last_run", r.last_run},
+                      {"last_alarm", r.last_alarm},
+                      {"feed_override", r.feed_override},
+                      {"rapid_override", r.rapid_override},
+                      {"spindle_override", r.spindle_override}};
+  return {kCounters, value.dump()};
+}
+
+operation::Retained read_counters(const link::Spool& spool) {
+  const json value = parsed(spool, kCounters);
+  operation::Retained r;
+  if (value.is_null()) return r;
+  r.parts = value.value("parts", r.parts);
+  r.parts_total = value.value("parts_total", r.parts_total);
+  r.parts_required = value.value("parts_required", r.parts_required);
+  r.last_run = value.value("last_run", r.last_run);
+  r.last_alarm = value.value("last_alarm", r.last_alarm);
+  r.feed_override = value.value("feed_override", r.feed_override);
+  r.rapid_override = value.value("rapid_override", r.rapid_override);
+  r.spindle_override = value.value("spindle_override", r.spindle_override);
+  return r;
+}
+
+link::RetainedValue selected_value(const SelectedProgram& selected) {
+  if (selected.name.empty()) return {kSelected, std::nullopt};
+  return {kSelected, json{{"name", selected.name}, {"sha256", selected.sha256}}.dump()};
+}
+
+SelectedProgram read_selected(const link::Spool& spool) {
+  const json value = parsed(spool, kSelected);
+  if (value.is_null()) return {};
+  return {value.value("name", ""), value.value("sha256", "")};
+}
+
+link::RetainedValue data_value(const interp::MachineData& data, const machine::Machine& machine) {
+  json variables = json::object();
+  for (const auto& [number, value] : data.common_variables) variables[std::to_string(number)] = value;
+  const json value = {{"offsets", json::parse(interp::offsets_to_json(data, axis_names(machine)))},
+                      {"parameters", data.parameters},
+                      {"variables", std::move(variables)},
+                      {"version", data.version}};
+  return {kData, value.dump()};
+}
+
+interp::MachineData read_data(const link::Spool& spool, const machine::Machine& machine) {
+  interp::MachineData data;
+  const json value = parsed(spool, kData);
+  if (value.is_null()) return data;
+  std::string problem = interp::load_offsets(value.at("offsets").dump(), axis_names(machine), data);
+  if (problem.empty()) problem = interp::load_parameters(value.at("parameters").dump(), data);
+  if (!problem.empty()) throw std::runtime_error("the stored offsets and parameters cannot be read: " + problem);
+  for (const auto& [number, number_value] : value.at("variables").items()) {
+    data.common_variables[static_cast<std::uint32_t>(std::stoul(number))] = number_value.get<double>();
+  }
+  data.version = value.value("version", std::uint64_t{0});
+  return data;
+}
+
+}  // namespace headstock::agent

@@ -1,0 +1,77 @@
+#include "agent/storage.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <variant>
+#include <vector>
+
+#include "agent/retained.hpp"
+#include "link/live_json.hpp"
+
+namespace headstock::agent {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr std::size_t kAtOnce = 64;
+constexpr auto kPoll = 2ms;
+constexpr auto kRetry = 500ms;
+
+bool same_settings(const operation::Retained& a, const operation::Retained& b) {
+  return a.parts == b.parts && a.parts_required == b.parts_required && a.feed_override == b.feed_override &&
+         a.rapid_override == b.rapid_override && a.spindle_override == b.spindle_override;
+}
+
+}  // namespace
+
+Storage::Storage(operation::Controller& controller, link::Spool& spool)
+    : controller_(controller), spool_(spool), kept_(controller.retained()) {
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+Storage::~Storage() {
+  thread_.request_stop();
+  thread_.join();
+}
+
+void Storage::run(const std::stop_token& stop) {
+  while (true) {
+    // After the stop was asked for, one last look: nothing that happened before it is left behind.
+    const bool last_look = stop.stop_requested();
+    while (commit_some()) {
+    }
+    if (last_look) return;
+    std::this_thread::sleep_for(kPoll);
+  }
+}
+
+bool Storage::commit_some() {
+  std::vector<link::NewEvent> events;
+  bool data_changed = false;
+  operation::TimedEvent event;
+  while (events.size() < kAtOnce && controller_.take_event(event)) {
+    data_changed |= std::holds_alternative<operation::OffsetChanged>(event.event);
+    events.push_back(link::to_new_event(event));
+  }
+  const operation::Retained now = controller_.retained();
+  if (events.empty() && same_settings(now, kept_)) return false;
+  std::vector<link::RetainedValue> retained{counters_value(now)};
+  if (data_changed) retained.push_back(data_value(controller_.data(), controller_.machine()));
+  while (true) {
+    try {
+      spool_.commit(events, retained);
+      break;
+    } catch (const link::SpoolError& error) {
+      // The controller waits at the end of its cycle until this has worked: a part is late, never lost.
+      spdlog::error("cannot store on this machine's disk, trying again: {}", error.what());
+      std::this_thread::sleep_for(kRetry);
+      if (thread_.get_stop_token().stop_requested()) return false;
+    }
+  }
+  kept_ = now;
+  committed_ += events.size();
+  controller_.committed(committed_);
+  return !events.empty();
+}
+
+}  // namespace headstock::agent

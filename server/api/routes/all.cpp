@@ -1,0 +1,16 @@
+#include "server/api/routes/routes.hpp"
+
+namespace headstock::api {
+
+void add_all_routes(Router& router, Services& services) {
+  router.add(system_routes(services, router));
+  router.add(session_routes(services));
+  router.add(user_routes(services));
+  router.add(machine_routes(services));
+  router.add(history_routes(services));
+  router.add(program_routes(services));
+  router.add(revision_routes(services));
+  router.add(transfer_routes(services));
+}
+
+}  // namespace headstock::api

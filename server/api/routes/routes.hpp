@@ -1,0 +1,47 @@
+// The rows of the interface, one file a subject, and what their handlers share.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "db/page.hpp"
+#include "server/access/role.hpp"
+#include "server/api/http/router.hpp"
+#include "server/api/services.hpp"
+
+namespace headstock::api {
+
+std::vector<Route> session_routes(Services& services);
+std::vector<Route> user_routes(Services& services);
+std::vector<Route> machine_routes(Services& services);
+std::vector<Route> program_routes(Services& services);
+std::vector<Route> revision_routes(Services& services);
+std::vector<Route> transfer_routes(Services& services);
+std::vector<Route> history_routes(Services& services);
+/// Needs the router for the description it serves.
+std::vector<Route> system_routes(Services& services, const Router& router);
+
+/// All of them. `router` must outlive its use: the description reads it.
+void add_all_routes(Router& router, Services& services);
+
+/// The least role of an action: the table of server/access is the only one.
+Role needs(access::Action action);
+access::Actor actor_of(const Call& call);
+/// `?before=` / `?cursor=` and `?limit=`.
+db::Page page_of(const Call& call);
+/// A time of the query: ISO 8601 in UTC, a date, or Unix milliseconds. Throws Refused("bad_request").
+std::optional<std::int64_t> time_of(const Call& call, const std::string& name);
+/// @return nothing when malformed.
+std::optional<std::int64_t> parse_time(const std::string& text);
+
+/// 409 `{accepted:false,reason,error}`.
+Reply machine_refusal(const std::string& reason);
+
+/// Descriptions that several rows share.
+extern const std::vector<Query> paging;
+extern const std::vector<Query> period;
+std::vector<Query> with(std::vector<Query> first, const std::vector<Query>& more);
+
+}  // namespace headstock::api

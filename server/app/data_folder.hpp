@@ -1,0 +1,27 @@
+// The data folder belongs to one server at a time.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace headstock::app {
+
+/// Makes the folder (0700) if there is none and holds DATA/lock until destroyed. Throws StartError when another
+/// process holds it or it cannot be used. The lock ends with the process, however that ends.
+class DataFolder {
+ public:
+  explicit DataFolder(std::filesystem::path folder);
+  ~DataFolder();
+  DataFolder(const DataFolder&) = delete;
+  DataFolder& operator=(const DataFolder&) = delete;
+  const std::filesystem::path& path() const { return folder_; }
+
+ private:
+  std::filesystem::path folder_;
+  int lock_ = -1;
+};
+
+/// Writes a small text readable by its owner only, in one step. Throws StartError.
+void write_secret(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace headstock::app

@@ -1,0 +1,79 @@
+// headstock-server: reads its options, says what it does, serves until it is told to stop.
+
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/spdlog.h>
+
+#include "generated/version.hpp"
+#include "server/app/shop.hpp"
+
+namespace {
+
+using headstock::app::Options;
+using headstock::app::Shop;
+using headstock::app::StartError;
+
+void describe(CLI::App& cli, Options& options, std::string& log_level) {
+  cli.set_version_flag("--version", std::string("headstock-server ") + headstock::app::version());
+  cli.add_option("--data", options.data, "Folder of everything the shop keeps; made if absent")->required();
+  cli.add_option("--address", options.address, "IP address to listen on; other than loopback: with TLS")->capture_default_str();
+  cli.add_option("--port", options.port, "Port of browser and API; 0: any free one")->capture_default_str();
+  cli.add_option("--agent-address", options.agent_address, "IP address for the agents (default: --address)");
+  cli.add_option("--agent-port", options.agent_port, "Port for the agents; 0: any free one")->capture_default_str();
+  cli.add_option("--tls-cert", options.tls_certificate, "Certificate chain (PEM) of the browser's side");
+  cli.add_option("--tls-key", options.tls_key, "Its private key (PEM)");
+  cli.add_flag("--tls", options.tls, "TLS on loopback too, with a certificate of the shop's own CA if none is given");
+  cli.add_flag("--plain-http", options.plain_http, "Insist on plain HTTP; refused outside loopback");
+  cli.add_option("--initial-admin-file", options.first_sign_in_file,
+                 "Where to write the first sign-in (default: DATA/first-sign-in)");
+  cli.add_option("--log-level", log_level, "trace, debug, info, warn, error")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error"}))
+      ->capture_default_str();
+  cli.footer("Exit status: 0 stopped cleanly, 2 usage, 3 port in use, 4 data folder in use, 5 database cannot be used,\n"
+             "6 TLS, 1 anything else.");
+}
+
+void greet(const Shop& shop, const Options& options) {
+  std::cout << "headstock-server " << headstock::app::version() << "\n"
+            << "data    " << options.data.string() << "\n"
+            << "open    " << shop.url() << "\n"
+            << "agents  port " << shop.agent_port() << "\n";
+  if (!shop.first_password().empty()) {
+    const auto file = options.first_sign_in_file.empty() ? options.data / "first-sign-in" : options.first_sign_in_file;
+    std::cout << "sign in with user admin, password " << shop.first_password() << " (shown once; also in "
+              << file.string() << " until it is changed)\n";
+  }
+  std::cout << "ready" << std::endl;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App cli{"Headstock server: programs, machines and the people of one shop"};
+  Options options;
+  std::string log_level = "info";
+  describe(cli, options, log_level);
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int status = cli.exit(error);
+    return status == 0 ? 0 : StartError::usage;
+  }
+  spdlog::set_level(spdlog::level::from_str(log_level));
+  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
+  try {
+    Shop shop(options);
+    shop.start();
+    greet(shop, options);
+    shop.run(Shop::Signals::watch);
+    spdlog::info("stopped");
+    return 0;
+  } catch (const StartError& error) {
+    std::cerr << "headstock-server: " << error.what() << "\n";
+    return error.status();
+  } catch (const std::exception& error) {
+    std::cerr << "headstock-server: " << error.what() << "\n";
+    return StartError::other;
+  }
+}

@@ -1,0 +1,281 @@
+#include "server/app/shop.hpp"
+
+#include <chrono>
+#include <csignal>
+
+#include <boost/asio/as_tuple.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/ip/address.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <spdlog/spdlog.h>
+
+#include "db/blobs.hpp"
+#include "db/store.hpp"
+#include "db/time.hpp"
+#include "db/user_store.hpp"
+#include "server/access/accounts.hpp"
+#include "server/api/events/socket.hpp"
+#include "server/api/jobs.hpp"
+#include "server/api/http/web_server.hpp"
+#include "server/api/routes/routes.hpp"
+#include "server/api/shapes.hpp"
+#include "server/api/static_files.hpp"
+#include "server/app/data_folder.hpp"
+#include "generated/version.hpp"
+#include "server/app/web_tls.hpp"
+#include "server/fleet/fleet.hpp"
+#include "server/library/checks.hpp"
+#include "server/library/distribution.hpp"
+#include "server/library/lines.hpp"
+
+namespace headstock::app {
+
+namespace asio = boost::asio;
+using asio::awaitable;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr auto drain_time = 10s;
+constexpr unsigned worker_threads = 2;
+
+bool is_loopback(const std::string& address) {
+  boost::system::error_code error;
+  const auto parsed = asio::ip::make_address(address, error);
+  return !error && parsed.is_loopback();
+}
+
+/// What the database says becomes the line the person sees; it is written for that.
+template <class F>
+auto with_database(F open) {
+  try {
+    return open();
+  } catch (const db::Error& error) {
+    const bool in_use = error.problem() == db::Problem::locked;
+    throw StartError(in_use ? StartError::data_in_use : StartError::database, error.what());
+  }
+}
+
+awaitable<api::Principal> authenticate(db::Store& store, std::string token) {
+  const auto session = co_await store.run(
+      [&token](db::Database& db) { return access::find_session(db, token, db::now_ms()); });
+  api::Principal who;
+  if (!session) co_return who;
+  who.user_id = session->user.id;
+  who.user = session->user.user;
+  who.name = session->user.name;
+  who.language = session->user.language;
+  who.role = api::role_from(access::to_string(session->user.role));
+  who.expires_ms = session->expires_ms;
+  who.must_change_password = session->user.must_change_password;
+  who.token = std::move(token);
+  co_return who;
+}
+
+}  // namespace
+
+struct Shop::Impl {
+  explicit Impl(Options given)
+      : options(std::move(given)),
+        folder(options.data),
+        sign_in_file(options.first_sign_in_file.empty() ? options.data / "first-sign-in" : options.first_sign_in_file),
+        store(with_database([&] { return std::make_unique<db::Store>(options.data); })),
+        blobs(with_database([&] { return std::make_unique<db::Blobs>(options.data); })),
+        accounts(*store, workers),
+        lines(*blobs),
+        checks(*store, workers, *blobs),
+        fleet(io.get_executor(), *store, changes),
+        gateway(io, gateway_options(), fleet),
+        distributor(io.get_executor(), *store, *blobs, checks, library::carried_by(gateway),
+                    [this](const db::TransferRow& row) { publish(row); }),
+        jobs(io),
+        services{io,    *store,      workers, *blobs,  accounts, checks, lines,
+                 distributor, fleet, changes, gateway, jobs,     version()} {
+    fleet.set_distributor(&distributor);
+    api::add_all_routes(router, services);
+  }
+
+  server::GatewayOptions gateway_options() const {
+    server::GatewayOptions agents;
+    agents.address = options.agent_address.empty() ? options.address : options.agent_address;
+    agents.port = options.agent_port;
+    agents.pki_folder = (options.data / "pki").string();
+    return agents;
+  }
+
+  void publish(const db::TransferRow& row);
+  void make_first_administrator();
+  void start_web();
+  awaitable<void> tick();
+  awaitable<void> forget_first_sign_in();
+  awaitable<void> drain();
+  void begin_stop();
+
+  // In the order in which they need each other; destroyed the other way round.
+  Options options;
+  DataFolder folder;
+  std::filesystem::path sign_in_file;
+  fleet::Changes changes;
+  asio::io_context io{1};
+  std::unique_ptr<db::Store> store;
+  db::Pool workers{worker_threads};
+  std::unique_ptr<db::Blobs> blobs;
+  access::Accounts accounts;
+  library::LineReader lines;
+  library::Checks checks;
+  fleet::Fleet fleet;
+  server::Gateway gateway;
+  library::Distributor distributor;
+  api::Jobs jobs;
+  api::Services services;
+  api::Router router;
+  std::unique_ptr<asio::ssl::context> tls;
+  std::unique_ptr<api::WebServer> web;
+  std::string first_password;
+  std::optional<asio::executor_work_guard<asio::io_context::executor_type>> work;
+  std::optional<asio::signal_set> signals;
+  asio::steady_timer second{io};
+  bool stopping = false;
+};
+
+void Shop::Impl::publish(const db::TransferRow& row) {
+  changes.publish({"transfer", row.machine, std::make_shared<const nlohmann::json>(nlohmann::json{{"transfer", api::to_json(row)}})});
+}
+
+void Shop::Impl::make_first_administrator() {
+  std::optional<std::string> password;
+  store->now([&](db::Database& db) { password = access::ensure_first_administrator(db, db::now_ms()); });
+  if (!password) return;
+  first_password = *password;
+  write_secret(sign_in_file, "user: admin\npassword: " + *password + "\n");
+}
+
+void Shop::Impl::start_web() {
+  if (options.plain_http && !is_loopback(options.address))
+    throw StartError(StartError::tls, "plain HTTP is for loopback only: passwords would cross the network readable on " +
+                                          options.address + "; leave out --plain-http, a certificate is made if you have none");
+  if (options.tls_certificate.empty() != options.tls_key.empty())
+    throw StartError(StartError::usage, "--tls-cert and --tls-key belong together");
+  if (!options.tls_certificate.empty())
+    tls = tls_from_files(options.tls_certificate, options.tls_key);
+  else if (options.tls || !is_loopback(options.address))
+    tls = tls_from_pki(options.data / "pki", own_names(options.address));
+  api::WebServerOptions web_options;
+  web_options.address = options.address;
+  web_options.port = options.port;
+  web_options.tls = tls.get();
+  api::WebHost host;
+  host.authenticate = [this](std::string token) { return authenticate(*store, std::move(token)); };
+  host.web_socket = [this, look_up = host.authenticate](std::shared_ptr<api::SocketClient> client, api::Principal who) {
+    return api::serve_events(services, look_up, std::move(client), std::move(who));
+  };
+  host.file = api::static_file;
+  web = std::make_unique<api::WebServer>(io, web_options, router, host);
+  web->start();
+}
+
+/// The written-down password is of use to nobody but a thief once the administrator has chosen another.
+awaitable<void> Shop::Impl::forget_first_sign_in() {
+  std::error_code ignored;
+  if (!std::filesystem::exists(sign_in_file, ignored)) co_return;
+  const auto kept = co_await store->run([](db::Database& db) {
+    const auto admin = db::user_named(db, "admin");
+    return admin && admin->must_change_password;
+  });
+  if (!kept) std::filesystem::remove(sign_in_file, ignored);
+}
+
+awaitable<void> Shop::Impl::tick() {
+  for (int seconds = 0; !stopping; ++seconds) {
+    second.expires_after(1s);
+    co_await second.async_wait(asio::as_tuple(asio::use_awaitable));
+    if (stopping) break;
+    try {
+      fleet.tick();
+      if (seconds % 10 == 0) co_await forget_first_sign_in();
+    } catch (const std::exception& error) {
+      spdlog::error("the second's work failed: {}", error.what());
+    }
+  }
+}
+
+awaitable<void> Shop::Impl::drain() {
+  try {
+    co_await web->stop(drain_time);
+    gateway.stop();
+  } catch (const std::exception& error) {
+    spdlog::error("stopping: {}", error.what());
+  }
+  work.reset();
+  io.stop();
+}
+
+void Shop::Impl::begin_stop() {
+  if (stopping) return;
+  stopping = true;
+  second.cancel();
+  if (signals) signals->cancel();
+  spdlog::info("stopping: no new connections, finishing what is under way");
+  asio::co_spawn(io, drain(), asio::detached);
+}
+
+Shop::Shop(Options options) {
+  try {
+    impl_ = std::make_unique<Impl>(std::move(options));
+    impl_->make_first_administrator();
+  } catch (const db::Error& error) {
+    throw StartError(StartError::database, error.what());
+  }
+}
+
+Shop::~Shop() = default;
+
+void Shop::start() {
+  try {
+    impl_->gateway.start();
+    impl_->start_web();
+  } catch (const StartError&) {
+    throw;
+  } catch (const std::exception& error) {
+    const std::string text = error.what();
+    const bool in_use = text.find("in use") != std::string::npos;
+    throw StartError(in_use ? StartError::port_in_use : StartError::other, text);
+  }
+  impl_->work.emplace(impl_->io.get_executor());
+  asio::co_spawn(impl_->io, impl_->distributor.resume(), [](std::exception_ptr error) {
+    if (error) spdlog::error("transfers of the last run could not be taken up again");
+  });
+  asio::co_spawn(impl_->io, impl_->tick(), asio::detached);
+}
+
+void Shop::run(Signals signals) {
+  auto& impl = *impl_;
+  if (signals == Signals::watch) {
+    impl.signals.emplace(impl.io, SIGTERM, SIGINT);
+    impl.signals->async_wait([&impl](const boost::system::error_code& error, int) {
+      if (!error) impl.begin_stop();
+    });
+  }
+  impl.io.run();
+  impl.workers.join();
+}
+
+void Shop::stop() {
+  asio::post(impl_->io, [impl = impl_.get()] { impl->begin_stop(); });
+}
+
+std::uint16_t Shop::port() const { return impl_->web->port(); }
+std::uint16_t Shop::agent_port() const { return impl_->gateway.port(); }
+bool Shop::secure() const { return impl_->tls != nullptr; }
+const std::string& Shop::first_password() const { return impl_->first_password; }
+
+std::string Shop::url() const {
+  const bool six = impl_->options.address.find(':') != std::string::npos;
+  return std::string(secure() ? "https://" : "http://") + (six ? "[" : "") + impl_->options.address + (six ? "]" : "") +
+         ":" + std::to_string(port());
+}
+
+}  // namespace headstock::app

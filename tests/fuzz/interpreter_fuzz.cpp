@@ -1,0 +1,67 @@
+// Any bytes at all through the interpreter: an alarm with line and column or a clean run, never a crash, a
+// hang or unbounded memory. First byte: profile, G-code system and leniency; second byte: how the text
+// arrives.
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "dialects/dialect.hpp"
+#include "interpreter/interpreter.hpp"
+#include "machine/machine.hpp"
+#include "program/library.hpp"
+
+namespace {
+
+using namespace headstock;
+
+// Delivers in pieces, with waits between them; cannot seek.
+class Dripping final : public program::Source {
+ public:
+  Dripping(std::string_view text, std::size_t piece) : text_(text), piece_(piece) {}
+  program::ReadResult read(std::span<char> buffer) override {
+    if (waiting_ = !waiting_; waiting_) return {program::ReadStatus::wait, 0};
+    if (text_.empty()) return {program::ReadStatus::end, 0};
+    const std::size_t bytes = std::min({piece_, text_.size(), buffer.size()});
+    text_.copy(buffer.data(), bytes);
+    text_.remove_prefix(bytes);
+    return {program::ReadStatus::data, bytes};
+  }
+  bool seek(std::uint64_t) override { return false; }
+
+ private:
+  std::string_view text_;
+  std::size_t piece_;
+  bool waiting_ = false;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  if (size < 2) return 0;
+  const std::string_view name = dialects::dialect_names()[bytes[0] % 6];
+  const std::size_t piece = bytes[1] & 0x0f;
+  const std::string_view text(reinterpret_cast<const char*>(bytes + 2), size - 2);
+
+  const machine::Machine machine = *machine::default_machine(name);
+  interp::MachineData data;
+  program::FilePrograms programs;
+  programs.add_text(std::string(text));
+  interp::Interpreter interpreter(*dialects::find(name), machine, data, &programs);
+  interp::Switches switches;
+  switches.gcode_system = static_cast<char>('A' + bytes[0] / 6 % 3);
+  switches.lenient = (bytes[1] & 0x10) != 0;
+  switches.block_skip = bytes[1] & 0x20 ? 0x3fe : 0;
+  interpreter.set_switches(switches);
+  interpreter.start(piece == 0 ? program::source_from_text(text)
+                               : std::unique_ptr<program::Source>(std::make_unique<Dripping>(text, piece)),
+                    {});
+  interp::Operation operation;
+  for (int i = 0; i < 20'000; ++i) {
+    const interp::Pull pull = interpreter.next(operation);
+    if (pull == interp::Pull::finished) return 0;
+    if (pull == interp::Pull::wait) continue;
+    if (const auto* alarm = std::get_if<interp::Alarm>(&operation); alarm != nullptr && alarm->code.empty())
+      std::abort();
+  }
+  return 0;
+}

@@ -1,0 +1,44 @@
+"""Part programs for the tests: small, inside the limits of the profiles' default machines."""
+
+LATHE = """%
+O1001 (TEST SHAFT)
+N10 G21 G99 G97 S1000 M03
+N20 T0101
+N30 G00 X40. Z2.
+N40 G01 Z-5. F0.5
+N50 X44. Z-7.
+N60 G00 X50. Z10.
+N70 M05
+N80 M30
+%
+"""
+
+GSK = """O0007
+N10 G99 G97 S1000 M3
+N20 T0101
+N30 G0 X40.0 Z2.0
+N40 G1 Z-5.0 F0.5
+N50 X44.0 Z-7.0
+N60 G0 X50.0 Z10.0
+N70 M5
+N80 M30
+%
+"""
+
+MILL = """%
+O2001 (TEST PLATE)
+N10 G21 G17 G90 G94 G54
+N20 S2000 M03
+N30 G00 X0. Y0. Z20.
+N40 G01 Z-1. F1200.
+N50 X20.
+N60 G03 X20. Y20. I0. J10.
+N70 G01 X0.
+N80 Y0.
+N90 G00 Z20.
+N100 M05
+N110 M30
+%
+"""
+
+BY_PROFILE = {"fanuc-0i-t": ("O1001", LATHE), "fanuc-0i-m": ("O2001", MILL), "gsk-2000tc": ("O0007", GSK)}
