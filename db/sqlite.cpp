@@ -108,15 +108,12 @@ class Sqlite final : public Database {
           "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;"
           "BEGIN IMMEDIATE; COMMIT");
     } catch (...) {
-      sqlite3_close(handle_);
+      close();
       throw;
     }
   }
 
-  ~Sqlite() override {
-    for (auto& [sql, statement] : idle_) sqlite3_finalize(statement);
-    sqlite3_close(handle_);
-  }
+  ~Sqlite() override { close(); }
   Sqlite(const Sqlite&) = delete;
   Sqlite& operator=(const Sqlite&) = delete;
 
@@ -142,6 +139,13 @@ class Sqlite final : public Database {
   }
 
  private:
+  void close() {
+    for (auto& [sql, statement] : idle_) sqlite3_finalize(statement);
+    idle_.clear();
+    sqlite3_close(handle_);
+    handle_ = nullptr;
+  }
+
   /// A prepared statement taken from the idle ones and given back; the same text may be in use twice.
   struct Borrowed {
     Borrowed(Sqlite& owner, std::string_view text) : home(owner) {
