@@ -1,7 +1,7 @@
 """Bad part programs: each is stored exactly as it came, each check says what and where, nothing is lost."""
 import hashlib
 
-from shop import ShopTest
+from shop import ApiError, ShopTest
 
 LONG_LINE = b"O5\nG00 X" + b"1" * (10 << 20) + b"\nM30\n"
 # name → (bytes, is the check clean?, line of the first finding or None)
@@ -14,7 +14,6 @@ CASES = {
     "gbk-comment": ("O8\n(粗车外圆)\nG00 X10.\nM30\n".encode("gbk"), True, None),
     "crlf": (b"O9\r\nG00 X10.\r\nM30\r\n", True, None),
     "cr-only": (b"O10\rG00 X10.\rM30\r", True, None),
-    "empty": (b"", False, None),
     "no-percent": (b"O11\nG00 X10.\nM30\n", True, None),
 }
 
@@ -41,6 +40,13 @@ class BadPrograms(ShopTest):
                     if line:
                         self.assertEqual(first["line"], line, first)
         self.assertTrue(self.shop.server.running())
+
+    def test_an_empty_file_is_refused_in_words(self):
+        self.shop.start_server()
+        with self.assertRaises(ApiError) as refused:
+            self.shop.upload("empty.nc", b"")
+        self.assertEqual((refused.exception.status, refused.exception.code), (400, "empty_program"))
+        self.assertEqual(self.shop.admin.get("/programs")["items"], [])
 
     def test_comments_are_shown_in_their_encoding(self):
         self.shop.start_server()

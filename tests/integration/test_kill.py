@@ -15,6 +15,7 @@ class KillAnything(ShopTest):
         self.shop.start_server()
         agent = self.shop.agent("Lathe 1", "fanuc-0i-t").start()
         self.make_resident(agent, "O0001", QUICK)
+        agent.panel("select", "O0001")   # the operator has seen what was sent
         witnessed = 0   # parts the machine itself has shown as finished
         for kill in range(KILLS):
             agent.panel("start") if agent.status()["state"] == "idle" else None

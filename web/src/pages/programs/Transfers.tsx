@@ -1,6 +1,6 @@
 // Programs on their way to machines: newest first, live.
 import { useTranslation } from "react-i18next";
-import { list, query, remove } from "../../api/client";
+import { list, remove } from "../../api/client";
 import type { Machine, Program, Transfer } from "../../api/types";
 import { bytes, percent } from "../../format/number";
 import { duration, moment } from "../../format/time";

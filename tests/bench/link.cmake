@@ -1,0 +1,5 @@
+# bench_drip: a drip-feed against raw TLS of the same library in the same run.
+headstock_program(bench_drip SOURCES ${CMAKE_CURRENT_LIST_DIR}/drip_bench.cpp ${PROJECT_SOURCE_DIR}/tests/unit/link/shop.cpp
+  DEPENDS headstock::link headstock::gateway)
+# fleet_simulator: many agents without a CNC, against a running server.
+headstock_program(fleet_simulator SOURCES ${CMAKE_CURRENT_LIST_DIR}/fleet_simulator.cpp DEPENDS headstock::link CLI11::CLI11 spdlog::spdlog)

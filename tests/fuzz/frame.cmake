@@ -1,0 +1,1 @@
+headstock_fuzz(frame SOURCES frame_fuzz.cpp DEPENDS headstock::wire)

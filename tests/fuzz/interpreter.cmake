@@ -1,0 +1,1 @@
+headstock_fuzz(interpreter SOURCES interpreter_fuzz.cpp DEPENDS headstock::dialects)
