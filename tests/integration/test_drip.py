@@ -52,7 +52,7 @@ class DripFeed(ShopTest):
         def progress():
             return next(t for t in self.shop.admin.get("/transfers")["items"] if t["id"] == transfer["id"])
 
-        eventually(lambda: progress()["bytes"] > 0, "data flow")
+        eventually(lambda: proxy.bytes_down > MIB, "the buffer of the machine fills")
         agent.panel("start")
         for cut in range(1, CUTS + 1):
             goal = total * cut // (CUTS + 2)
