@@ -234,9 +234,22 @@ class Shop:
         raw = text if isinstance(text, bytes) else text.encode()
         return self.admin.call("POST", "/programs", raw=raw, query={"folder": folder, "name": name, "note": note})
 
+    def check(self, program_id, revision, agent):
+        """The server's check against the machine; a long one is a job, which is waited for."""
+        path = f"/programs/{program_id}/revisions/{revision}/check"
+        answer = self.admin.call("POST", path, {"machine": agent.id}, timeout=300)
+        if "job" not in answer:
+            return answer
+
+        def ended():
+            job = self.admin.get(f"/jobs/{answer['job']}")
+            return job if job["state"] != "running" else None
+
+        return eventually(ended, "check ended", 10 * PATIENCE_S)["result"]
+
     def release(self, program_id, revision, agent):
         """Checks against the machine and releases; returns the check."""
-        check = self.admin.call("POST", f"/programs/{program_id}/revisions/{revision}/check", {"machine": agent.id})
+        check = self.check(program_id, revision, agent)
         self.admin.post(f"/programs/{program_id}/revisions/{revision}/release", {"why": "checked by the test"})
         return check
 

@@ -43,8 +43,9 @@ class DripFeed(ShopTest):
                                         query={"folder": "", "name": "O3001", "note": "drip"}, timeout=300)
         program_id, revision = made["program"]["id"], made["revision"]["number"]
         self.assertEqual(made["revision"]["bytes"], total)
-        self.shop.admin.post(f"/programs/{program_id}/revisions/{revision}/release",
-                             {"why": "too long to check in this test", "unchecked": True})
+        check = self.shop.check(program_id, revision, agent)
+        self.assertTrue(check["ok"], check)
+        self.shop.admin.post(f"/programs/{program_id}/revisions/{revision}/release", {"why": "drip-feed test"})
         agent.arm()
         transfer = self.shop.admin.post(f"/machines/{agent.id}/drip", {"program_id": program_id, "revision": revision})
 
