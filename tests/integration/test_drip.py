@@ -4,7 +4,7 @@ import os
 from shop import CuttingProxy, PATIENCE_S, ShopTest, eventually
 
 MIB = 1 << 20
-SIZE = 100 * 10**6
+SIZE = int(os.environ.get("HEADSTOCK_DRIP_MB", "100")) * 10**6
 CUTS = 20
 
 
@@ -78,6 +78,6 @@ class DripFeed(ShopTest):
         self.assertEqual(progress()["bytes"], total)
         run = self.shop.admin.get(f"/machines/{agent.id}/runs")["items"][0]
         self.assertEqual(run["outcome"], "completed")
-        self.assertEqual(run["lines"], lines)
+        self.assertEqual(agent.status()["line"], lines - 1, "the last block executed is the M30 before the final %")
         self.assertLess(agent.process.peak_memory_mib(), 200)
         self.assertLess(self.shop.server.peak_memory_mib(), 200)
