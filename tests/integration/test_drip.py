@@ -9,8 +9,7 @@ CUTS = 20
 
 
 def write_program(path, size):
-    """Short zig-zag cuts, like a CAM system's, of at least `size` bytes; returns the number of lines."""
-    lines = 4
+    """Short zig-zag cuts, like a CAM system's, of at least `size` bytes; returns where the last one ends."""
     with open(path, "w", encoding="ascii", newline="\n") as file:
         written = file.write("%\nO3001\nG21 G90 G94 G54\nG00 X0. Y0. Z10.\n")
         step = 0
@@ -21,16 +20,17 @@ def write_program(path, size):
                 block.append(f"N{step % 100000:05d} G01 X{x if (step // 200) % 2 == 0 else 99.5 - x:.3f} Y{y:.3f} F8000.\n")
                 step += 1
             written += file.write("".join(block))
-            lines += len(block)
         file.write("G00 Z20.\nM30\n%\n")
-    return lines + 3
+    step -= 1
+    column, row = step % 200, step // 200
+    return {"X": column * 0.5 if row % 2 == 0 else 99.5 - column * 0.5, "Y": row % 200 * 0.5}
 
 
 class DripFeed(ShopTest):
     def test_a_hundred_megabytes_with_twenty_cuts(self):
         self.shop.start_server()
         path = os.path.join(self.shop.folder, "big.nc")
-        lines = write_program(path, SIZE)
+        last = write_program(path, SIZE)
         total = os.path.getsize(path)
         # The machine's clock runs as fast as it can: the path, the buffers and the link are the same as in real time.
         agent = self.shop.agent("Mill 1", "fanuc-0i-m", extra=["--clock", "fast"])
@@ -78,6 +78,7 @@ class DripFeed(ShopTest):
         self.assertEqual(progress()["bytes"], total)
         run = self.shop.admin.get(f"/machines/{agent.id}/runs")["items"][0]
         self.assertEqual(run["outcome"], "completed")
-        self.assertEqual(agent.status()["line"], lines - 1, "the last block executed is the M30 before the final %")
+        status = agent.status()
+        self.assertEqual(dict(zip(status["axes"], status["absolute"])), last | {"Z": 20.0}, "it ended where it should")
         self.assertLess(agent.process.peak_memory_mib(), 200)
         self.assertLess(self.shop.server.peak_memory_mib(), 200)
