@@ -18,6 +18,11 @@ struct Interval {
   std::optional<std::int64_t> to_ms;
 };
 
+/// Not a state of the machine, but that nobody knew.
+bool is_silence(const Interval& interval) {
+  return interval.source == "server" && (interval.state == "unknown" || interval.state == "off");
+}
+
 constexpr const char* kInterval =
     "SELECT id, state, mode, source, from_ms, to_ms FROM state_intervals WHERE machine_id = ? ";
 
@@ -71,7 +76,8 @@ void record_state(db::Database& db, std::int64_t machine, const std::string& sta
     // It already says so itself.
   } else if (there->state == state && there->mode == mode && there->source == "machine") {
     // Said twice.
-  } else if (there->from_ms == at_ms) {
+  } else if (there->from_ms == at_ms ||
+             (there->state == state && there->source == "server" && !is_silence(*there))) {
     replace(db, there->id, state, mode, witness);
   } else {
     end_at(db, there->id, at_ms);
@@ -84,18 +90,13 @@ void record_silence(db::Database& db, std::int64_t machine, const std::string& s
                     std::int64_t last_heard_ms) {
   db::Transaction transaction(db);
   const auto open = open_interval(db, machine);
-  if (!open || open->from_ms <= last_heard_ms) {
-    if (!open || open->state != state || open->source != "server") {
-      if (open && open->from_ms < last_heard_ms) end_at(db, open->id, last_heard_ms);
-      if (open && open->from_ms == last_heard_ms)
-        replace(db, open->id, state, "", Witness::server);
-      else
-        insert(db, machine, state, "", Witness::server, last_heard_ms, std::nullopt);
-    }
+  if (open && is_silence(*open)) {
+    if (open->state != state) replace(db, open->id, state, "", Witness::server);
   } else {
-    // Its clock is ahead of ours: the silence begins after its last word.
-    end_at(db, open->id, open->from_ms);
-    insert(db, machine, state, "", Witness::server, open->from_ms, std::nullopt);
+    // Its last word counts, if only for an instant, even when its clock is ahead of ours.
+    const std::int64_t from_ms = open ? std::max(last_heard_ms, open->from_ms + 1) : last_heard_ms;
+    if (open) end_at(db, open->id, from_ms);
+    insert(db, machine, state, "", Witness::server, from_ms, std::nullopt);
   }
   transaction.commit();
 }
@@ -104,9 +105,8 @@ void record_return(db::Database& db, std::int64_t machine, bool same_boot, std::
   if (!same_boot) return;
   db::Transaction transaction(db);
   const auto silence = open_interval(db, machine);
-  if (silence && silence->source == "server" && (silence->state == "unknown" || silence->state == "off")) {
-    const auto before = find(db, "AND to_ms = ? AND source = 'machine' ORDER BY id DESC LIMIT 1",
-                             {machine, silence->from_ms});
+  if (silence && is_silence(*silence)) {
+    const auto before = find(db, "AND to_ms = ?", {machine, silence->from_ms});
     if (before) {
       db.execute("DELETE FROM state_intervals WHERE id = ?", {silence->id});
       end_at(db, before->id, nullptr);
@@ -119,7 +119,7 @@ void close_after_restart(db::Database& db) {
   db::Transaction transaction(db);
   for (const db::MachineRow& machine : db::machines(db)) {
     const auto open = open_interval(db, machine.id);
-    if (!open || open->source == "server") continue;
+    if (!open || is_silence(*open)) continue;
     record_silence(db, machine.id, "unknown",
                    std::max(machine.last_seen_ms.value_or(open->from_ms), open->from_ms));
   }

@@ -132,6 +132,19 @@ void dry_run(const CheckJob& job, Setup& setup, CheckResult& result) {
   }
 }
 
+/// Why the run in virtual time ended early. "budget" is none: then the language was checked to the last block
+/// instead.
+void add_incomplete(const std::string& reason, CheckResult& result) {
+  if (reason == "budget") return;
+  if (reason == "stuck")
+    add(result, 0, 0, "stuck",
+        "Feed per revolution while the spindle stands still: the machine would wait for ever.",
+        "主轴停止时使用每转进给，机床将一直等待。");
+  else
+    add(result, 0, 0, "incomplete", "The check did not reach the end: " + reason,
+        "检查未能到达程序结尾：" + reason);
+}
+
 }  // namespace
 
 std::string checker_version() {
@@ -166,11 +179,8 @@ CheckResult run_check(const CheckJob& job) {
     for (const auto& alarm : estimate.alarms)
       add(result, alarm.at.line, alarm.at.column, alarm.code, alarm.text_en, alarm.text_zh);
     if (!estimate.complete && result.findings.empty()) {
-      if (estimate.incomplete_reason == "budget")
-        dry_run(job, setup, result);
-      else
-        add(result, 0, 0, "incomplete", "The check did not reach the end: " + estimate.incomplete_reason,
-            "检查未能到达程序结尾：" + estimate.incomplete_reason);
+      dry_run(job, setup, result);
+      add_incomplete(estimate.incomplete_reason, result);
     }
     result.ok = result.findings.empty();
   } catch (const std::exception& error) {

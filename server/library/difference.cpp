@@ -272,7 +272,7 @@ class Rows {
 
   /// @param first,last is there no change before, after these?
   void same(std::size_t left, std::size_t right, std::size_t count, Edge edge) {
-    const std::size_t head = edge.first ? 0 : context_, tail = edge.last ? 0 : context_;
+    const std::size_t head = edge.first ? 0 : context_, tail = edge.last && !edge.first ? 0 : context_;
     for (std::size_t i = 0; i < count; ++i) {
       if (count > head + tail && i == head) {
         const std::size_t left_out = count - head - tail;
@@ -435,7 +435,7 @@ Difference compare(std::string_view left, std::string_view left_encoding, std::s
     std::size_t count = 0;
     while (l + count < left_lines.size() && matcher.partner()[l + count] == static_cast<int>(r + count))
       ++count;
-    const bool first = l == 0 && not_shown == 0;
+    const bool first = l == 0 && r == 0 && not_shown == 0;
     if (count > 0)
       rows.same(l, r, count, {first, l + count == left_lines.size() && r + count == right_lines.size()});
     l += count;

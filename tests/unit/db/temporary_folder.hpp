@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "db/database.hpp"
 #include "db/hash.hpp"
@@ -34,6 +36,13 @@ inline std::unique_ptr<db::Database> open_shop(const std::filesystem::path& file
   auto database = db::open_sqlite(file);
   db::migrate(*database);
   return database;
+}
+
+/// Texts put together by append: GCC 12 warns falsely about operator+ with short literals.
+inline std::string text_of(std::initializer_list<std::string_view> pieces) {
+  std::string text;
+  for (const std::string_view piece : pieces) text.append(piece);
+  return text;
 }
 
 inline std::string read_file(const std::filesystem::path& file) {
