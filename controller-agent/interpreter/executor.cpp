@@ -127,6 +127,7 @@ Pull Executor::next(Operation& wanted) {
     }
     if (finished) return Pull::finished;
     const Step result = step();
+    if (finished) frames.clear();  // the program is left: files are closed, a drip-feed is told
     if (out_used) return Pull::operation;
     if (result == Step::wait) return Pull::wait;
   }

@@ -42,7 +42,12 @@ class DripSource final : public program::Source {
   ~DripSource() override {
     {
       const std::scoped_lock lock(impl_.mutex);
-      impl_.end(DripFeed::Outcome::closed, "closed_by_machine");
+      // A program ends with M30; what comes behind it (the final %) has arrived but is never read.
+      if (impl_.complete) {
+        impl_.end(DripFeed::Outcome::drained, "");
+      } else {
+        impl_.end(DripFeed::Outcome::closed, "closed_by_machine");
+      }
     }
     impl_.wake();
   }

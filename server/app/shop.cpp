@@ -234,6 +234,12 @@ Shop::Shop(Options options) {
 Shop::~Shop() = default;
 
 void Shop::start() {
+  // Before a machine can ask for it, the gateway must know what it was sending when the last run ended.
+  asio::co_spawn(impl_->io, impl_->distributor.resume(), [](std::exception_ptr error) {
+    if (error) spdlog::error("transfers of the last run could not be taken up again");
+  });
+  impl_->io.run();
+  impl_->io.restart();
   try {
     impl_->gateway.start();
     impl_->start_web();
@@ -245,9 +251,6 @@ void Shop::start() {
     throw StartError(in_use ? StartError::port_in_use : StartError::other, text);
   }
   impl_->work.emplace(impl_->io.get_executor());
-  asio::co_spawn(impl_->io, impl_->distributor.resume(), [](std::exception_ptr error) {
-    if (error) spdlog::error("transfers of the last run could not be taken up again");
-  });
   asio::co_spawn(impl_->io, impl_->tick(), asio::detached);
 }
 

@@ -312,7 +312,6 @@ void Fleet::connected(std::int64_t machine, const json& hello) {
     });
   });
   impl_->publish(*entry, now);
-  if (impl_->distributor != nullptr) impl_->distributor->machine_connected(machine);
 }
 
 void Fleet::disconnected(std::int64_t machine, const std::string& reason) {

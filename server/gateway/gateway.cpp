@@ -167,7 +167,10 @@ void Gateway::Impl::stop() {
   acceptor.close(ignored);
   renewal.cancel();
   for (const auto& session : sessions) session->connection()->close("the server stops");
+  // Sessions hold us and we hold them; when the loop never runs again, nobody else would undo that.
   machines.clear();
+  sessions.clear();
+  transfers.clear();
 }
 
 void Gateway::Impl::greeted(const std::shared_ptr<AgentSession>& session, const wire::Hello& hello) {

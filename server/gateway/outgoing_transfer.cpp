@@ -188,6 +188,7 @@ void OutgoingTransfer::stop_sending(const std::string& reason) {
 
 void OutgoingTransfer::end(const std::string& state, const std::string& reason) {
   if (finished_) return;
+  const auto self = shared_from_this();  // whoever is told may let go of us
   finished_ = true;
   connection_.reset();
   state_.reason = reason;

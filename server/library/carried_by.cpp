@@ -12,6 +12,10 @@ Carrier carried_by(server::Gateway& gateway) {
                      std::shared_ptr<server::BlobReader> content) {
             return gateway.drip(transfer, machine, std::move(name), std::move(sha256), std::move(content));
           },
+          [&gateway](std::uint64_t transfer, std::int64_t machine, std::string name, std::string sha256,
+                     std::shared_ptr<server::BlobReader> content) {
+            gateway.offer_again(transfer, machine, std::move(name), std::move(sha256), std::move(content));
+          },
           [&gateway](std::uint64_t transfer, const std::string& reason) {
             return gateway.cancel(transfer, reason);
           }};

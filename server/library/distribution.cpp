@@ -165,20 +165,6 @@ struct Distributor::Impl : std::enable_shared_from_this<Distributor::Impl> {
                                     blob_reader(blobs, row.sha256));
   }
 
-  asio::awaitable<void> offer_again(db::TransferRow row) {
-    std::string reason;
-    try {
-      const server::MachineAnswer answer = co_await offer(row);
-      if (answer.accepted || answer.reason == "not_connected")
-        co_return;  // progress comes by itself; or it goes on waiting
-      reason = answer.reason;
-    } catch (const std::exception& error) {
-      spdlog::error("drip {}: {}", row.id, error.what());
-      reason = "internal";
-    }
-    fail(row.id, reason);
-  }
-
   template <class Work>
   void spawn(Work work) {
     asio::co_spawn(
@@ -219,8 +205,12 @@ asio::awaitable<void> Distributor::resume() {
     transaction.commit();
     return open_ones;
   });
-  for (const db::TransferRow& row : rows)
-    if (!is_over(row.state)) impl_->open[row.id] = row;
+  for (const db::TransferRow& row : rows) {
+    if (is_over(row.state)) continue;
+    impl_->open[row.id] = row;
+    impl_->carrier.offer_again(static_cast<std::uint64_t>(row.id), row.machine, row.name, row.sha256,
+                               blob_reader(impl_->blobs, row.sha256));
+  }
 }
 
 asio::awaitable<db::DistributionRow> Distributor::distribute(Actor actor, std::int64_t program,
@@ -359,12 +349,6 @@ asio::awaitable<db::Listed<db::TransferRow>> Distributor::list(db::TransferFilte
 
 void Distributor::transfer_changed(const server::TransferState& state) {
   impl_->take(state);
-}
-
-void Distributor::machine_connected(std::int64_t machine) {
-  for (const auto& [id, row] : impl_->open)
-    if (row.machine == machine && row.kind == "drip" && row.state == "waiting")
-      impl_->spawn([row = row](Impl& self) { return self.offer_again(row); });
 }
 
 }  // namespace headstock::library

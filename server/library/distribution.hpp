@@ -35,6 +35,10 @@ struct Carrier {
                                                               std::string name, std::string sha256,
                                                               std::shared_ptr<server::BlobReader>)>
       drip;
+  /// A drip-feed of before a restart of the server: it goes on when its machine comes and still has it.
+  std::function<void(std::uint64_t transfer, std::int64_t machine, std::string name, std::string sha256,
+                     std::shared_ptr<server::BlobReader>)>
+      offer_again;
   std::function<bool(std::uint64_t transfer, const std::string& reason)> cancel;
 };
 /// The real one.
@@ -52,8 +56,8 @@ class Distributor {
               Carrier carrier, Changed changed);
   ~Distributor();
 
-  /// After a server restart: what was being put has failed (server_restarted), drip-feeds wait for their
-  /// machine.
+  /// After a server restart, before machines can connect: what was being put has failed (server_restarted),
+  /// drip-feeds wait for their machine.
   boost::asio::awaitable<void> resume();
 
   /// Plans, answers at once, goes on sending. A machine that cannot get it has state "failed" and a reason at
@@ -75,8 +79,6 @@ class Distributor {
 
   // ---- from the gateway, through the fleet
   void transfer_changed(const server::TransferState& state);
-  /// Offers waiting drip-feeds again.
-  void machine_connected(std::int64_t machine);
 
  private:
   struct Impl;

@@ -102,9 +102,9 @@ describe("the path of a part", { skip: built() ? false : "headstock-server and h
       await page.locator("input[name=again]").fill("a better one 7");
       await page.keyboard.press("Enter");
       shop.password = "a better one 7";
-      await shop.signIn();
     }
     await page.locator("[data-page=floor]").waitFor();
+    await shop.signIn();   // the change has ended the session the test had beside the browser
   });
 
   it("a machine is added in the browser and joins with the token shown once", async () => {
@@ -244,7 +244,7 @@ describe("the path of a part", { skip: built() ? false : "headstock-server and h
     await page.locator("select[name=machine]").selectOption({ label: "Lathe 1" });
     await page.locator(".empty").waitFor();
     await page.locator("select[name=machine]").selectOption({ label: "Mill 1" });
-    assert.equal(await page.locator("tr[data-alarm]").nth(1).isVisible(), true);
+    await page.locator("tr[data-alarm]").nth(1).waitFor();
   });
 
   it("a machine that is cut off becomes unknown, not idle", async () => {

@@ -59,6 +59,8 @@ export class Shop {
     const file = createWriteStream(join(this.data, log), { flags: "a" });
     child.stdout.pipe(file);
     child.stderr.pipe(file);
+    // A process that ends by itself is told at once: what fails afterwards only follows from it.
+    child.on("exit", (code, signal) => { if (!child.wanted) console.log(`${name} ended: ${signal ?? code}; end of ${log}:\n${readFileSync(join(this.data, log), "utf8").slice(-2000)}`); });
     this.processes.push(child);
     return child;
   }
@@ -72,6 +74,7 @@ export class Shop {
   }
 
   async end(child, signal = "SIGTERM") {
+    child.wanted = true;
     if (child.exitCode !== null || child.signalCode !== null) return;
     const ended = new Promise((resolve) => child.once("exit", resolve));
     child.kill(signal);
@@ -123,6 +126,7 @@ export class Shop {
 
   async stop() {
     for (const child of [...this.processes].reverse()) await this.end(child);
-    rmSync(this.data, { recursive: true, force: true });
+    if (process.env.HEADSTOCK_KEEP) console.log(`kept: ${this.data}`);
+    else rmSync(this.data, { recursive: true, force: true });
   }
 }

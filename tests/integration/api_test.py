@@ -367,8 +367,10 @@ class WebSocket:
 
 class Events(WithServer):
     def test_without_a_session_no_socket(self):
-        self.assertIn(b" 401 ", WebSocket(self.server, None).head)
-        self.assertIn(b" 403 ", WebSocket(self.server, self.admin.token, origin="http://evil.example").head)
+        for token, origin, status in ((None, None, b" 401 "), (self.admin.token, "http://evil.example", b" 403 ")):
+            ws = WebSocket(self.server, token, origin)
+            self.addCleanup(ws.close)
+            self.assertIn(status, ws.head)
         self.assertEqual(self.admin.call("GET", "/events")[0], 426)
 
     def test_snapshot_then_events(self):
@@ -407,6 +409,7 @@ class Events(WithServer):
 
     def test_nonsense_from_a_client(self):
         ws = WebSocket(self.server, self.admin.token)
+        self.addCleanup(ws.close)
         ws.send("nonsense")
         self.assertEqual(ws.receive()["type"], "error")
         ws.send(b"x" * 200_000)   # above the limit: the server closes

@@ -18,7 +18,12 @@ class KillAnything(ShopTest):
         agent.panel("select", "O0001")   # the operator has seen what was sent
         witnessed = 0   # parts the machine itself has shown as finished
         for kill in range(KILLS):
-            agent.panel("start") if agent.status()["state"] == "idle" else None
+            made = witnessed
+            while kill % 3 == 0 and witnessed == made:   # some kills come right behind a part, whatever the speed
+                status = agent.status()
+                witnessed = max(witnessed, status["parts"]["count"])
+                if status["state"] == "idle" and witnessed == made:
+                    agent.panel("start")
             # Anywhere in the cycle, the count's commit and the report to the server included.
             until = time.monotonic() + dice.uniform(0.0, 0.6)
             while time.monotonic() < until:
@@ -39,7 +44,7 @@ class KillAnything(ShopTest):
                                     f"kill {kill}: a finished part was lost")
         eventually(lambda: agent.status()["state"] == "idle", "agent idle")
         count = agent.status()["parts"]["count"]
-        self.assertGreater(count, 5, "parts were really made while the killing went on")
+        self.assertGreaterEqual(count, KILLS // 3, "parts were really made while the killing went on")
         eventually(lambda: agent.live()["connected"] and agent.parts() == count, "server agrees with the machine")
 
         def all_events():

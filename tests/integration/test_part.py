@@ -66,8 +66,8 @@ class PathOfAPart(ShopTest):
         self.assertIn("arm", headstock("run", "Lathe 1", "O1001", "--wait", status=2).lower())
         agent.arm()
         headstock("run", "Lathe 1", "O1001", "--wait")
-        self.assertEqual(agent.parts(), 1)
-        self.assertIn("Lathe 1", headstock("parts"))
+        eventually(lambda: agent.parts() == 1, "the part is on the card")
+        self.assertIn("O1001", headstock("parts", "--machine", "Lathe 1"))
         self.assertIn("Lathe 1", headstock("machines"))
 
 

@@ -1,5 +1,6 @@
 #include "server/api/http/connection.hpp"
 
+#include <chrono>
 #include <type_traits>
 
 #include <boost/asio/as_tuple.hpp>
@@ -199,7 +200,8 @@ std::optional<Refused> parse_failure(const beast::error_code& error, bool anythi
   return std::nullopt;
 }
 
-/// Lets the client read the reply before a reset could destroy it: a client still sending is heard for a moment.
+/// Lets the client read the reply before a reset could destroy it: one that still sends a long upload is heard, and what
+/// it sends is dropped, until it is silent for two seconds or for half a minute in all.
 template <class Stream>
 awaitable<void> linger(Stream& stream) {
   auto& tcp_stream = beast::get_lowest_layer(stream);
@@ -210,8 +212,9 @@ awaitable<void> linger(Stream& stream) {
   }
   tcp_stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
   std::vector<char> waste(64 * 1024);
-  tcp_stream.expires_after(std::chrono::seconds(2));
-  for (int pieces = 0; pieces < 64; ++pieces) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (std::chrono::steady_clock::now() < until) {
+    tcp_stream.expires_after(std::chrono::seconds(2));
     const auto [error, got] = co_await tcp_stream.async_read_some(asio::buffer(waste), tuple);
     if (error || got == 0) break;
   }
@@ -241,6 +244,7 @@ awaitable<void> serve(Stream stream, std::shared_ptr<Shared> shared, bool secure
       if (const auto refused = parse_failure(error, got > 0 || buffer.size() > 0)) {
         Reply reply = error_reply(*refused);
         co_await send_reply(stream, reply, false, false, limits);
+        listed->idle = true;
         co_await linger(stream);
       }
       co_return;
@@ -278,6 +282,7 @@ awaitable<void> serve(Stream stream, std::shared_ptr<Shared> shared, bool secure
     const bool sent = co_await send_reply(stream, done.reply, request.head, keep_alive, limits);
     if (!sent) co_return;
   }
+  listed->idle = true;
   co_await linger(stream);
 }
 

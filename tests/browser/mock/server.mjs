@@ -6,7 +6,7 @@ import { readFileSync, statSync } from "node:fs";
 import { createServer } from "node:http";
 import { extname, join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { lathe, live, makeMachine, mill, plot, profiles } from "./shop.mjs";
+import { inRadii, lathe, live, makeMachine, mill, plot, profiles } from "./shop.mjs";
 import { accept } from "./websocket.mjs";
 
 const mimes = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml" };
@@ -78,7 +78,7 @@ export function startMock({ port = 0, machines = 6, dist }) {
     ["GET", /^\/programs\/(\d+)\/revisions\/(\d+)\/content$/, ([, id, n], { query }) => { const from = Number(query.get("from_line") ?? 1); if (id === "4") { const count = Math.min(Number(query.get("lines")), 5_000_001 - from); return { from, total: 5_000_000, lines: Array.from({ length: count }, (_, i) => `N${from + i} G01 X${((from + i) % 900) / 10} Z-0.02`), cut: [] }; } const rows = programs[id - 1].revisions[n - 1].text.split("\n"); return { raw: rows.slice(from - 1, query.get("lines") ? from - 1 + Number(query.get("lines")) : undefined).join("\n") }; }],
     ["GET", /^\/programs\/(\d+)\/diff$/, ([, id], { query }) => diff(programs[id - 1].revisions[query.get("from") - 1].text, programs[id - 1].revisions[query.get("to") - 1].text)],
     ["POST", /^\/programs\/(\d+)\/revisions\/(\d+)\/check$/, ([, id], { body }) => body.machine % 3 === 2 && id === "1" ? { ok: false, findings: [{ line: 12, column: 5, code: "PS0010", text: { en: "IMPROPER G-CODE: G96", zh: "G 代码不正确：G96" } }, { line: 17, column: 1, code: "PS0020", text: { en: "OVER TOLERANCE OF RADIUS", zh: "超过半径公差" } }], time_s: null, cutting_s: null, length_mm: null } : { ok: true, findings: [], time_s: 75.4, cutting_s: 61.2, length_mm: 1240.5, tools: [1, 2] }],
-    ["GET", /^\/programs\/(\d+)\/revisions\/(\d+)\/backplot$/, ([, id, n]) => plot(programs[id - 1].revisions[n - 1].text, id !== "2")],
+    ["GET", /^\/programs\/(\d+)\/revisions\/(\d+)\/backplot$/, ([, id, n]) => inRadii(plot(programs[id - 1].revisions[n - 1].text, id !== "2"))],
     ["POST", /^\/programs\/(\d+)\/revisions\/(\d+)\/release$/, ([, id, n], { body }) => { programs[id - 1].revisions[n - 1].released = { by: session.user, at: iso(0), why: body.why }; return {}; }],
     ["DELETE", /^\/programs\/(\d+)\/release$/, ([, id]) => { for (const r of programs[id - 1].revisions) r.released = null; return {}; }],
     ["POST", /^\/distributions$/, (_, { body }) => ({ id: 1, program: body.program, revision: body.revision, transfers: body.machines.map((id) => send("put", body.program, body.revision, id)) })],

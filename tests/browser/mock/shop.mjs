@@ -80,6 +80,9 @@ export function plot(text, isLathe) {
   return { axes, moves, truncated: false };
 }
 
+/// A plot goes out with X of a lathe as a radius.
+export const inRadii = (path) => (path.axes.includes("Y") ? path : { ...path, moves: path.moves.map((move) => ({ ...move, p: [move.p[0] / 2, ...move.p.slice(1)] })) });
+
 export function live(machine, now) {
   const unknown = machine.state === "unknown";
   const rows = machine.text.split("\n");

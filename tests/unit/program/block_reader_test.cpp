@@ -68,10 +68,12 @@ TEST(BlockReader, EmptySourceHasNoLine) {
 }
 
 TEST(BlockReader, LineLongerThanTheLimitIsRefusedWithoutReadingItAll) {
-  BlockReader reader(source_from_text(std::string(100, 'X') + "\n"), 99);
+  const std::string hundred = std::string(100, 'X') + "\n";
+  BlockReader reader(source_from_text(hundred), 99);
   Line line;
   EXPECT_EQ(reader.next(line), LineStatus::too_long);
-  BlockReader fits(source_from_text(std::string(99, 'X') + "\n"), 99);
+  const std::string ninety_nine = std::string(99, 'X') + "\n";
+  BlockReader fits(source_from_text(ninety_nine), 99);
   EXPECT_EQ(fits.next(line), LineStatus::line);
   EXPECT_EQ(line.text.size(), 99u);
 

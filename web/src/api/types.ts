@@ -81,8 +81,9 @@ export interface DiffRow {
 }
 export interface Diff { rows: DiffRow[]; classes: DiffClass[]; changed: number; added: number; removed: number; truncated: boolean; coarse: boolean }
 
-export interface Move { k: "r" | "f" | "a"; l: number; p: number[] }
-export interface Backplot { axes: string[]; moves: Move[]; truncated: boolean }
+export interface Move { k: "r" | "f" | "a" | "t"; l: number; p: number[] }
+/// Points in work coordinates, mm; X of a lathe as a radius (operation/backplot.hpp).
+export interface Backplot { axes: string[]; start?: number[]; moves: Move[]; truncated: boolean }
 
 export interface Transfer {
   id: number; machine: number; program: number | null; revision: number | null; kind: "put" | "drip"; state: string;

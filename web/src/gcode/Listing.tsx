@@ -2,6 +2,7 @@
 import { useCallback, useEffect, useLayoutEffect, useRef, useState, type KeyboardEvent } from "react";
 import { lines as loadLines } from "../api/client";
 import { Code } from "./Code";
+import { sameBlock } from "./tokens";
 import { chunkLines, chunksOf, clampFirst, firstAt, heightPx, isScaled, rowPx, rowsIn, scrollAt } from "./window";
 
 const keptChunks = 40;
@@ -9,12 +10,14 @@ const keptChunks = 40;
 interface Props {
   program: number; revision: number; total: number;
   line?: number | null;                       // the running or chosen line, 1-based
+  block?: string | null;                      // what runs there, if known
+  onElsewhere?: (elsewhere: boolean) => void; // that line holds another text: a sub-program runs
   follow?: boolean; onUnfollow?: () => void;
   findings?: ReadonlyMap<number, string>;
   label: string;
 }
 
-export function Listing({ program, revision, total, line, follow, onUnfollow, findings, label }: Props) {
+export function Listing({ program, revision, total, line, block, onElsewhere, follow, onUnfollow, findings, label }: Props) {
   const box = useRef<HTMLDivElement>(null);
   const chunks = useRef(new Map<number, string[] | "loading" | "failed">());
   const [viewPx, setViewPx] = useState(400);
@@ -98,6 +101,12 @@ export function Listing({ program, revision, total, line, follow, onUnfollow, fi
     place(first + step);
   };
 
+  // The machine reports the line of the program that runs, which may be a called one. A line is marked as running only
+  // if it holds the block that runs.
+  const there = line ? chunks.current.get(Math.floor((line - 1) / chunkLines)) : undefined;
+  const elsewhere = Boolean(block) && Array.isArray(there) && line ? !sameBlock(there[(line - 1) % chunkLines] ?? "", block ?? "") : false;
+  useEffect(() => { onElsewhere?.(elsewhere); }, [elsewhere, onElsewhere]);
+
   const digits = Math.max(3, String(total).length);
   const shown = [];
   for (let index = from; index < Math.min(total, from + rows); index += 1) {
@@ -106,8 +115,8 @@ export function Listing({ program, revision, total, line, follow, onUnfollow, fi
     const number = index + 1;
     const finding = findings?.get(number);
     shown.push(
-      <div key={number} className={`row${number === line ? " current" : ""}${finding ? " finding" : ""}`} data-line={number} title={finding}
-        aria-current={number === line ? "step" : undefined}>
+      <div key={number} className={`row${number === line && !elsewhere ? " current" : ""}${finding ? " finding" : ""}`} data-line={number} title={finding}
+        aria-current={number === line && !elsewhere ? "step" : undefined}>
         <span className="row-number" style={{ width: `${digits + 1}ch` }}>{number}</span>
         <code>{text === null ? <i className="dim">…</i> : <Code text={text} />}</code>
       </div>);

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { tokens } from "./tokens";
+import { sameBlock, tokens } from "./tokens";
 import { chunksOf, firstAt, heightPx, isScaled, lastFirst, longestPx, scrollAt } from "./window";
 
 const kinds = (line: string) => tokens(line).filter((token) => token.text.trim() !== "").map((token) => [token.kind, token.text.trim()]);
@@ -33,4 +33,9 @@ describe("a listing's window", () => {
     expect(chunksOf(0, 30, 10)).toEqual([0]);
     expect(chunksOf(0, 30, 0)).toEqual([]);
   });
+});
+
+describe("the running block", () => {
+  it("is found again without blanks and comments", () => expect(sameBlock("N140 G01 Z-54.8 (ROUGH)", "N140G01Z-54.8")).toBe(true));
+  it("of a sub-program is not mistaken for the same line of the main program", () => expect(sameBlock("N110 G02 X10. Y88. R18.", "N110 X-20.")).toBe(false));
 });

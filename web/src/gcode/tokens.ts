@@ -23,3 +23,10 @@ export function tokens(line: string): Token[] {
   if (at < text.length) found.push({ kind: "text", text: text.slice(at) });
   return found;
 }
+
+/// Is it the same block? The machine may report it without blanks, comments or what was too long to report.
+export function sameBlock(text: string, reported: string): boolean {
+  const bare = (block: string) => block.replace(/\([^)]*\)?/g, "").replace(/[\s;]/g, "").toUpperCase();
+  const a = bare(text), b = bare(reported);
+  return a === b || (b.length >= 40 && a.startsWith(b.slice(0, 40)));
+}

@@ -47,7 +47,7 @@ export function LathePath({ plot, trail, trailVersion, tool, toolAxes, line, the
     drawGrid(pen, size, view, px, py);
     if (plot) {
       const [z = -1, x = -1] = columns(plot.axes, ["Z", "X"]);
-      const strokes: [string[], string, number, number[]][] = [[["r"], cssColour("text-3"), 1, [5, 4]], [["f", "a"], cssColour("accent"), 1.6, []]];
+      const strokes: [string[], string, number, number[]][] = [[["r"], cssColour("text-3"), 1, [5, 4]], [["f", "a", "t"], cssColour("accent"), 1.6, []]];
       for (const [moveKinds, colour, width, dash] of strokes) {
         pen.beginPath();
         plot.moves.forEach((move, i) => {

@@ -101,7 +101,7 @@ export function MillPath({ plot, trail, trailVersion, tool, toolAxes, line, them
     s.centre = min.clone().add(max).multiplyScalar(0.5);
     s.size = Math.max(10, max.distanceTo(min));
     if (plot) {
-      for (const [kinds, colour, opacity] of [["r", "text-3", 0.55], ["fa", "accent", 1]] as const) {
+      for (const [kinds, colour, opacity] of [["r", "text-3", 0.55], ["fat", "accent", 1]] as const) {
         const points: number[] = [];
         plot.moves.forEach((move, i) => {
           const before = plot.moves[i - 1];

@@ -58,11 +58,21 @@ export function cssColour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
+/// The server plots X of a lathe as the slide moves (radius); the rest of the application speaks in diameters, as the
+/// position page does. Called once, where a plot comes in.
+export function inDiameters(plot: Backplot): Backplot {
+  const x = plot.axes.indexOf("X");
+  if (!isLathe(plot.axes)) return plot;
+  const widen = (p: number[]) => p.map((value, i) => (i % plot.axes.length === x ? value * 2 : value));
+  return { ...plot, ...(plot.start ? { start: widen(plot.start) } : {}), moves: plot.moves.map((move) => ({ ...move, p: widen(move.p) })) };
+}
+
 /// A move may hold several points (the chords of an arc), one after the other: here every point becomes a move.
 export function expand(plot: Backplot): Backplot {
   const n = plot.axes.length;
   if (n === 0) return plot;
-  const moves: Backplot["moves"] = [];
+  // Every move is drawn from the end of the one before it; where the first begins is said apart.
+  const moves: Backplot["moves"] = plot.start?.length === n ? [{ k: "r", l: 0, p: plot.start }] : [];
   for (const move of plot.moves) {
     if (move.p.length <= n) { moves.push(move); continue; }
     for (let at = 0; at + n <= move.p.length; at += n) moves.push({ k: move.k, l: move.l, p: move.p.slice(at, at + n) });
@@ -72,5 +82,5 @@ export function expand(plot: Backplot): Backplot {
 
 export async function loadBackplot(program: number, revision: number, machine: number | null, signal: AbortSignal): Promise<Backplot> {
   const answer = await get<Backplot>(`/programs/${program}/revisions/${revision}/backplot${query({ machine })}`, signal);
-  return expand(await settled(answer, signal));
+  return expand(inDiameters(await settled(answer, signal)));
 }

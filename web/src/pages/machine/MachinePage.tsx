@@ -22,6 +22,7 @@ export function MachinePage({ id }: { id: number }) {
   useWantMachine(id);
   const seen = useMachine(id);
   const { value: machine, error, reload } = useLoad((signal) => get<Machine>(`/machines/${id}`, signal), [id]);
+  const [elsewhere, setElsewhere] = useState(false);
   if (error instanceof ApiError && error.status === 404) return <div className="page"><div className="empty">{t("machine.missing")}</div></div>;
   const live = seen.live;
   const name = live?.name ?? machine?.name ?? "";
@@ -51,8 +52,8 @@ export function MachinePage({ id }: { id: number }) {
       )}
       <div className={`machine-grid${seen.current ? "" : " stale"}`}>
         <Positions live={live} />
-        <ToolPath id={id} seen={seen} />
-        <RunningProgram seen={seen} />
+        <ToolPath id={id} seen={seen} elsewhere={elsewhere} />
+        <RunningProgram seen={seen} elsewhere={elsewhere} onElsewhere={setElsewhere} />
         <Panel className="area-readouts" name="readouts"><Figures live={live} /><Overrides id={id} live={live} current={seen.current} /></Panel>
         <Panel className="area-modal" title={t("machine.modal")} name="modal"><ModalCodes live={live} /></Panel>
         <PartsAndTimes id={id} live={live} current={seen.current} />
@@ -83,7 +84,7 @@ function useTrail(seen: Seen): { trail: Trail; version: number } {
   return { trail, version: trail.version };
 }
 
-function ToolPath({ id, seen }: { id: number; seen: Seen }) {
+function ToolPath({ id, seen, elsewhere }: { id: number; seen: Seen; elsewhere: boolean }) {
   const { t } = useTranslation();
   const { live } = seen;
   const program = live?.program;
@@ -96,12 +97,12 @@ function ToolPath({ id, seen }: { id: number; seen: Seen }) {
   const axes = useMemo(() => live?.axes ?? [], [live?.axes?.join()]); // eslint-disable-line react-hooks/exhaustive-deps
   return (
     <Panel className="area-path" title={t("machine.path")} name="path" extra={!known && <span className="dim">{t("machine.path_none")}</span>}>
-      {axes.length > 0 && <PathView axes={axes} plot={plot ?? null} trail={trail} trailVersion={version} tool={live?.absolute ?? null} line={live?.line ?? null} />}
+      {axes.length > 0 && <PathView axes={axes} plot={plot ?? null} trail={trail} trailVersion={version} tool={live?.absolute ?? null} line={elsewhere ? null : live?.line ?? null} />}
     </Panel>
   );
 }
 
-function RunningProgram({ seen }: { seen: Seen }) {
+function RunningProgram({ seen, elsewhere, onElsewhere }: { seen: Seen; elsewhere: boolean; onElsewhere: (elsewhere: boolean) => void }) {
   const { t } = useTranslation();
   const { live } = seen;
   const program = live?.program;
@@ -116,13 +117,13 @@ function RunningProgram({ seen }: { seen: Seen }) {
       {program?.revision ? <a href={address(["programs", program.id ?? 0], { rev: program.revision })}>{t("programs.revision_n", { number: program.revision })}</a> : null}
       {program?.released === true && <span className="chip good">{t("programs.released")}</span>}
     </span>} extra={revision && <Button small kind="quiet" aria-pressed={follow} onClick={() => setFollow(!follow)}>{t("machine.follow")}</Button>}>
-      <div className="running-block mono" data-field="block"><span className="line-number">{live?.line ?? unknownText}</span><code><Code text={live?.block ?? ""} /></code></div>
+      <div className="running-block mono" data-field="block"><span className="line-number">{live?.line ?? unknownText}</span><code><Code text={live?.block ?? ""} /></code>{elsewhere && revision && <span className="chip info">{t("machine.subprogram")}</span>}</div>
       <div className="running-progress"><Progress part={live?.progress} label={t("machine.progress")} state={seen.current ? seen.state : "stale"} />
         <span className="num" data-field="progress">{percent(live?.progress, 1)}</span><span className="num dim">{t("machine.remaining")} {duration(live?.remaining_s)}</span></div>
       {live?.drip && <div className="running-progress drip"><Progress part={live.drip.total > 0 ? live.drip.bytes / live.drip.total : null} label={t("machine.drip")} />
         <span className="num">{t("machine.drip")} {live.drip.total > 0 ? percent(live.drip.bytes / live.drip.total, 1) : grouped(live.drip.bytes)}</span></div>}
       {revision && program?.id
-        ? <Listing program={program.id} revision={revision.number} total={revision.lines} line={live?.line} follow={follow} onUnfollow={() => setFollow(false)} label={t("machine.listing")} />
+        ? <Listing program={program.id} revision={revision.number} total={revision.lines} line={live?.line} block={live?.block} onElsewhere={onElsewhere} follow={follow && !elsewhere} onUnfollow={() => setFollow(false)} label={t("machine.listing")} />
         : <div className="empty small">{t(program ? "machine.listing_unknown" : "machine.listing_none")}</div>}
     </Panel>
   );

@@ -22,7 +22,8 @@ export function CheckTab({ program, revision, onLine }: { program: number; revis
   const { value: known } = useLoad((signal) => list<CheckResult>(`/programs/${program}/revisions/${revision.number}/checks`, signal).catch(() => []), [program, revision.number]);
   const [outcomes, setOutcomes] = useState<ReadonlyMap<string, Outcome>>(new Map());
   const [chosen, setChosen] = useState<number | null>(null);
-  const machine = machines?.find((one) => one.id === chosen) ?? machines?.[0];
+  const passed = known?.find((one) => one.ok)?.machine;
+  const machine = machines?.find((one) => one.id === (chosen ?? passed)) ?? machines?.[0];
   const { value: plot, error: plotError } = useLoad(async (signal) => (machine ? loadBackplot(program, revision.number, machine.id, signal) : null), [program, revision.number, machine?.id]);
   const key = (id: number) => `${revision.number}:${id}`;
   const outcome = (id: number): Outcome | undefined => outcomes.get(key(id)) ?? known?.find((one) => one.machine === id);
@@ -63,7 +64,7 @@ export function CheckTab({ program, revision, onLine }: { program: number; revis
           </Panel>)}
         <Panel title={`${t("machine.path")}${machine ? ` · ${machine.name}` : ""}`} className="check-path" name="backplot">
           <ErrorNote error={plotError} />
-          {plot && <PathView axes={plot.axes} plot={plot} />}
+          {plot && (plot.moves.length > 1 ? <PathView axes={plot.axes} plot={plot} /> : <div className="empty">{t("machine.path_empty")}</div>)}
         </Panel>
       </div>
     </div>);
