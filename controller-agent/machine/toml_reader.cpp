@@ -275,8 +275,9 @@ Machine read(const toml::table& document, std::string_view where, std::string_vi
   if (section != nullptr) read_machine(*machine, *section, place);
   for (const auto& [key, value] : document) {
     if (key == "machine") continue;  // read first: the other sections stand over its profile and kind
+    const std::string_view name = key.str();  // clang 14 does not let a lambda capture the binding itself
     const auto found = std::find_if(std::begin(kSections), std::end(kSections),
-                                    [&](const Section& candidate) { return candidate.name == key.str(); });
+                                    [&](const Section& candidate) { return candidate.name == name; });
     if (found == std::end(kSections))
       Place{where, std::string(key.str())}.fail(value, "is not a section of a machine file");
     found->read(*machine, value, {where, std::string(key.str())});
