@@ -65,8 +65,7 @@ int main(int argc, char** argv) {
   try {
     Shop shop(options);
     shop.start();
-    greet(shop, options);
-    shop.run(Shop::Signals::watch);
+    shop.run(Shop::Signals::watch, [&] { greet(shop, options); });
     spdlog::info("stopped");
     return 0;
   } catch (const StartError& error) {

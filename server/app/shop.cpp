@@ -254,7 +254,7 @@ void Shop::start() {
   asio::co_spawn(impl_->io, impl_->tick(), asio::detached);
 }
 
-void Shop::run(Signals signals) {
+void Shop::run(Signals signals, const std::function<void()>& ready) {
   auto& impl = *impl_;
   if (signals == Signals::watch) {
     impl.signals.emplace(impl.io, SIGTERM, SIGINT);
@@ -262,6 +262,7 @@ void Shop::run(Signals signals) {
       if (!error) impl.begin_stop();
     });
   }
+  ready();
   impl.io.run();
   impl.workers.join();
 }

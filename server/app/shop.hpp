@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -44,7 +45,8 @@ class Shop {
   void start();
   /// Serves until stop() or, with `signals`, SIGTERM or SIGINT; requests under way are finished.
   enum class Signals { watch, ignore };
-  void run(Signals signals);
+  /// @param ready called when everything is in place, the signals too: who reads "ready" may send one.
+  void run(Signals signals, const std::function<void()>& ready);
   /// Any thread.
   void stop();
 
