@@ -4,8 +4,9 @@ import { join } from "node:path";
 import { after, before, describe, it } from "node:test";
 import { openBrowser, signIn, sizes, useLanguage } from "./chromium.mjs";
 import { startMock } from "./mock/server.mjs";
+import { root } from "./paths.mjs";
 
-const dist = process.env.HEADSTOCK_WEB_DIST ?? join(import.meta.dirname, "../../build/release/web/app/dist");
+const dist = process.env.HEADSTOCK_WEB_DIST ?? join(root, "build/release/web/app/dist");
 let browser, page, mock;
 
 describe("the pages", () => {

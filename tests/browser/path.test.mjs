@@ -7,8 +7,8 @@ import { join } from "node:path";
 import { after, before, describe, it } from "node:test";
 import { openBrowser, signIn, useLanguage } from "./chromium.mjs";
 import { built, Shop, until } from "./shop.mjs";
+import { root } from "./paths.mjs";
 
-const root = join(import.meta.dirname, "../..");
 const lathe = `%
 O0100 (TURNED PIN)
 G21 G40 G99

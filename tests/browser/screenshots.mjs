@@ -4,9 +4,9 @@ import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { openBrowser, signIn, sizes, useLanguage } from "./chromium.mjs";
 import { startMock } from "./mock/server.mjs";
+import { root } from "./paths.mjs";
 
 const option = (name) => { const at = process.argv.indexOf(`--${name}`); return at > 0 ? process.argv[at + 1] : undefined; };
-const root = join(import.meta.dirname, "../..");
 const out = option("out") ?? join(root, "build/screenshots");
 const only = option("only");
 const dist = join(root, "build/release/web/app/dist");

@@ -5,9 +5,9 @@ import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { promisify } from "node:util";
+import { root } from "./paths.mjs";
 
 const run = promisify(execFile);
-const root = join(import.meta.dirname, "../..");
 const bin = process.env.HEADSTOCK_BIN ?? join(root, "build/release/bin");
 export const binary = (name) => join(bin, name);
 export const built = () => existsSync(binary("headstock-server")) && existsSync(binary("headstock-agent"));

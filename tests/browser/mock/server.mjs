@@ -8,6 +8,7 @@ import { extname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { inRadii, lathe, live, makeMachine, mill, plot, profiles } from "./shop.mjs";
 import { accept } from "./websocket.mjs";
+import { root } from "../paths.mjs";
 
 const mimes = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml" };
 
@@ -139,6 +140,6 @@ export function startMock({ port = 0, machines = 6, dist }) {
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
   const option = (name, otherwise) => { const at = process.argv.indexOf(`--${name}`); return at > 0 ? process.argv[at + 1] : otherwise; };
-  const mock = await startMock({ port: Number(option("port", 8090)), machines: Number(option("machines", 6)), dist: option("dist", join(import.meta.dirname, "../../../build/release/web/app/dist")) });
+  const mock = await startMock({ port: Number(option("port", 8090)), machines: Number(option("machines", 6)), dist: option("dist", join(root, "build/release/web/app/dist")) });
   console.log(`${mock.url}  user ${mock.user}  password ${mock.password}`);
 }
