@@ -140,6 +140,12 @@ void Controller::Impl::take(const interp::Operation& taken) {
     request.offset = tool->offset;
     post(Await::function, function(request));
   } else if (const auto* m = std::get_if<interp::MCode>(&taken)) {
+    if (m->input != 0 || m->at_axis >= 0 || m->delay_s != 0) {
+      raised_here = port_code_alarm();
+      pending_alarm = {m->at, std::string(raised_here.code), "M" + std::to_string(m->code)};
+      post(Await::alarm, {});
+      return;
+    }
     plc::Request request;
     request.code = m->code;
     post(Await::function, function(request));
