@@ -21,12 +21,15 @@ bool Executor::execute() {
   if (data_input.line != nullptr && !(block.g_count == 1 && block.g[0].tenths == 110))
     return check_words() && data_input.line(*this);
   if (!check_words() || !take_codes()) return false;
+  if (surface.now.kind != SurfaceKind::none && !surface_allows()) return false;
   if (setting_count != 0 && !run_settings()) return false;
   if ((block.words & kFeedSpindleTool) != 0) {
     if (block.has('F') && !take_feed()) return false;
     if (block.has('S') && !take_spindle()) return false;
     if (block.has('T') && !take_tool()) return false;
   }
+  if (auxiliary_letter != 0 && block.has(auxiliary_letter) && !take_second_auxiliary(auxiliary_letter))
+    return false;
   if (block.m_count != 0 && !run_m_codes(false)) return false;
   if (spindle_changed) emit_spindle();
 

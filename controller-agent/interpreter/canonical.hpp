@@ -64,6 +64,7 @@ struct Motion {
   const char* cycle = nullptr;  ///< "G71" when a canned cycle made the move; static storage
   bool exact_stop = false;      ///< G09/G61: decelerate to zero and check in-position at the end
   CuttingMode cutting_mode = CuttingMode::cutting;
+  bool in_plane = false;  ///< inside the interpreter only: coordinates of G07.1/G12.1, see surface.hpp
 };
 
 /// Bits of `Feed::skip_signals` and `Dwell::skip_signals`: SKIP, SKIP2 … SKIP8, then the torque limit.

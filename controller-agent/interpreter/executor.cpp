@@ -75,9 +75,10 @@ void Executor::set_switches(const Switches& wanted) {
 }
 
 // Every group's marked code, then what the parameters choose instead.
-void Executor::power_on() {
+void Executor::power_on(std::uint32_t keep) {
   block.clear();
-  const auto put_in_force = [this](const GCode& row) {
+  const auto put_in_force = [this, keep](const GCode& row) {
+    if ((keep >> row.group & 1u) != 0) return;
     if (row.group != 0) modal.g[row.group] = row.tenths;
     if (row.phase == Phase::motion) motion_code = &row;
     if (row.phase == Phase::setting && row.handler != nullptr) {
@@ -86,7 +87,9 @@ void Executor::power_on() {
     }
   };
   const bool inch = modal.inch;  // the unit survives reset and power-off (0i-D 3)
-  modal.g.fill(-1);
+  for (std::size_t group = 0; group < modal.g.size(); ++group) {
+    if ((keep >> group & 1u) == 0) modal.g[group] = -1;
+  }
   for (const GCode& row : table->rows()) {
     if (row.power_on) put_in_force(row);
   }
@@ -101,6 +104,9 @@ void Executor::power_on() {
 }
 
 void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& machine_position) {
+  leave_surface();
+  surface = {};
+  surface_path = {};
   frames.clear();
   Frame frame;
   frame.reader = std::make_unique<program::BlockReader>(std::move(main), dialect.longest_block);
@@ -142,14 +148,15 @@ void Executor::reset(const AxisVector& machine_position) {
   queue.clear();
   queue_head = 0;
   finished = true;
-  if (dialect.reset_clears || data.bit(dialect.reset_clears_parameter)) power_on();
+  clear_modes();
   spindle_direction = SpindleDirection::stop;
   if (own) own->reset(*this);
   set_position(machine_position);
 }
 
 void Executor::set_position(const AxisVector& machine_position) {
-  for (std::size_t i = 0; i < axes.size(); ++i) set_axis_machine(i, machine_position[i]);
+  const AxisVector place = place_in_plane(machine_position);
+  for (std::size_t i = 0; i < axes.size(); ++i) set_axis_machine(i, place[i]);
 }
 
 AxisVector Executor::to_work(const AxisVector& machine_position, const ModalSnapshot& under) const {

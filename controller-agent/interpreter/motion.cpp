@@ -1,12 +1,15 @@
 // Axes: units, zero points, targets, straight motion.
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "interpreter/executor.hpp"
 
 namespace headstock::interp {
 
 using program::kNano;
+
+constexpr double kFastest_mm_min = 999'000;
 
 std::optional<std::size_t> Executor::axis_named(char name) const {
   return machine.axis_index(name);
@@ -196,13 +199,14 @@ void Executor::fill_motion(Motion& motion, std::uint32_t moved) {
   motion.axes = moved;
   motion.exact_stop = exact_stop_once || exact_stop_mode;
   motion.cutting_mode = cutting_mode;
+  motion.in_plane = surface.now.kind != SurfaceKind::none;
   if (any_rolls_over) {
     for (std::size_t i = 0; i < axes.size(); ++i) motion.end_work[i] = within_turn(i, work_now[i]);
   }
 }
 
-bool Executor::emit_rapid_to_machine(const AxisVector& target, std::uint32_t moved,
-                                     bool machine_coordinates) {
+bool Executor::emit_rapid_to_machine(const AxisVector& target, std::uint32_t moved, bool machine_coordinates,
+                                     bool overlap) {
   for (std::uint32_t left = moved; left != 0; left &= left - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(left));
     set_axis_machine(i, target[i]);
@@ -216,13 +220,36 @@ bool Executor::emit_rapid_to_machine(const AxisVector& target, std::uint32_t mov
     motion.end_work[i] = within_turn(i, work_now[i]);
   motion.axes = moved;
   motion.machine_coordinates = machine_coordinates;
-  motion.exact_stop = true;
+  motion.overlap = overlap;
+  motion.exact_stop = !overlap;
   return true;
+}
+
+// More axes in a block than the control interpolates at once (PS0015).
+bool Executor::axes_at_once(std::uint32_t moved) {
+  const int most = dialect.modes.most_axes_at_once;
+  return most == 0 || std::popcount(moved) <= most || alarm(AlarmReason::too_many_axes, code_column, {});
+}
+
+double Executor::imaginary_circle(const AxisVector& from, const AxisVector& to, std::uint32_t moved) const {
+  double plain = 0, circle = 0;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if ((moved >> i & 1u) == 0) continue;
+    const double way = to[i] - from[i];
+    plain += way * way;
+    if (axes[i].on_circle) {
+      const double arc_mm = way * axes[i].circle_mm * std::numbers::pi / 180;
+      circle += arc_mm * arc_mm;
+    } else {
+      circle += way * way;
+    }
+  }
+  return circle > 0 ? std::sqrt(plain / circle) : 0;
 }
 
 bool Executor::rapid() {
   std::uint32_t moved = 0;
-  if (!take_targets(moved)) return false;
+  if (!take_targets(moved) || !axes_at_once(moved)) return false;
   if (moved == 0) return true;
   auto& motion = emit<Rapid>();
   fill_motion(motion, moved);
@@ -245,14 +272,14 @@ bool Executor::cutting_feed(double path_mm, double& value, FeedUnit& unit) {
 }
 
 bool Executor::feed() {
-  if (const std::uint32_t corner = block.words & dialect.corner_words;
+  if (const std::uint32_t corner = block.words & dialect.corner_words & ~axis_letters;
       corner != 0 && code->handler != nullptr && code->tenths == 10) {
     const char letter = static_cast<char>('A' + std::countr_zero(corner));
     return alarm(AlarmReason::g_unavailable, block[letter].column, std::string("G01 ") + letter);
   }
   const AxisVector from = machine_now;
   std::uint32_t moved = 0;
-  if (!take_targets(moved)) return false;
+  if (!take_targets(moved) || !axes_at_once(moved)) return false;
   if (moved == 0) return true;
   if (one_digit_rapid) {
     auto& motion = emit<Rapid>();
@@ -261,6 +288,7 @@ bool Executor::feed() {
     return true;
   }
   if (feed_mm <= 0 || feed_unit == FeedUnit::inverse_time) {
+    if (path_to_targets(from, moved) == 0) return true;  // nothing moves: F is not missed (0i-D L3845, N02)
     double value = 0;
     FeedUnit unit{};
     if (!cutting_feed(path_to_targets(from, moved), value, unit)) return false;
@@ -274,6 +302,12 @@ bool Executor::feed() {
   fill_motion(motion, moved);
   motion.feed = feed_mm;
   motion.unit = feed_unit;
+  // Per minute, outside polar and cylindrical interpolation.
+  if (any_on_circle && feed_unit == FeedUnit::mm_per_minute && !motion.in_plane) {
+    const double factor = imaginary_circle(from, machine_now, moved);
+    // Only axes that do not count: as fast as cutting may be; the axes' own limits hold.
+    motion.feed = factor > 0 ? feed_mm * factor : kFastest_mm_min;
+  }
   return true;
 }
 
