@@ -46,6 +46,7 @@ endfunction()
 function(headstock_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # what is tested is optimised, the tests need not be
   target_link_libraries(${name} PRIVATE headstock_options ${ARG_DEPENDS} GTest::gtest_main GTest::gmock)
   target_compile_definitions(${name} PRIVATE HEADSTOCK_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     HEADSTOCK_BINARY_DIR="${CMAKE_BINARY_DIR}")
