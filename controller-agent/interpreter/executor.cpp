@@ -23,8 +23,9 @@ Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& mac
     axes[i].rotary = machine.axes[i].rotary;
     axes[i].diameter = machine.axes[i].designation == machine::Designation::diameter ? 0.5 : 1;
   }
-  plane = dialect.tools.lathe ? Plane::zx : Plane::xy;
+  select_plane(dialect.tools.lathe ? Plane::zx : Plane::xy);
   queue.reserve(8);
+  if (dialect.make_own != nullptr) own = dialect.make_own(*this);
   modal.g.fill(-1);
   set_units(false);
   set_switches({});
@@ -96,6 +97,7 @@ void Executor::power_on() {
   }
   set_units(inch);
   feed_mm = dialect.numbers.power_on_feed_mm_min;
+  if (own) own->power_on(*this);
 }
 
 void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& machine_position) {
@@ -108,7 +110,9 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   finished = false;
   jumps = 0;
   at = {};
-  linear_rapid = data.bit(dialect.linear_rapid_parameter);
+  data_input = {};
+  take_parameters();
+  if (own) own->start(*this);
   update_zeros();
   set_position(machine_position);
 }
@@ -140,6 +144,7 @@ void Executor::reset(const AxisVector& machine_position) {
   finished = true;
   if (dialect.reset_clears || data.bit(dialect.reset_clears_parameter)) power_on();
   spindle_direction = SpindleDirection::stop;
+  if (own) own->reset(*this);
   set_position(machine_position);
 }
 
@@ -151,7 +156,7 @@ AxisVector Executor::to_work(const AxisVector& machine_position, const ModalSnap
   AxisVector work{};
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const double unit = under.inch && !axes[i].rotary ? 25.4 : 1;
-    work[i] = (machine_position[i] - under.work_zero[i]) / (axes[i].diameter * unit);
+    work[i] = within_turn(i, (machine_position[i] - under.work_zero[i]) / (axes[i].diameter * unit));
   }
   return work;
 }

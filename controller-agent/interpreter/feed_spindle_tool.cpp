@@ -1,4 +1,5 @@
 // F, S and T words.
+#include <algorithm>
 #include <cmath>
 
 #include "interpreter/executor.hpp"
@@ -33,8 +34,15 @@ double Executor::feed_value(const program::Word& word) const {
 
 bool Executor::take_feed() {
   const program::Word& word = block['F'];
+  if (action != nullptr && action->handler == handlers::contour_by_q) return true;  // its reference feed
   if (motion_code->handler == handlers::thread || motion_code->handler == handlers::thread_variable) {
     if (!dialect.threads.f_is_feed_too) return true;  // a lead: see thread()
+  }
+  const auto& digit = dialect.modes.one_digit_feed;
+  if (!digit.enable.empty() && data.bit(digit.enable)) {
+    one_digit_rapid = false;
+    if (feed_unit == FeedUnit::mm_per_minute && !word.point && word.digits >= 0 && word.digits <= 9)
+      return take_one_digit_feed(static_cast<int>(word.digits));
   }
   const double value = feed_value(word);
   modal.feed = value;
@@ -42,7 +50,22 @@ bool Executor::take_feed() {
   return true;
 }
 
+// F1…F9: feeds of the parameters; F0: rapid (0i-D 5.3, M series).
+bool Executor::take_one_digit_feed(int digit) {
+  modal.feed = digit;
+  if (digit == 0) {
+    one_digit_rapid = true;
+    return true;
+  }
+  const auto& rules = dialect.modes.one_digit_feed;
+  const double most = data.parameter(digit <= 4 ? rules.most_1_to_4 : rules.most_5_to_9);
+  feed_mm = data.parameter(std::to_string(rules.first - 1 + digit));
+  if (most > 0) feed_mm = std::min(feed_mm, most);
+  return true;
+}
+
 bool Executor::take_spindle() {
+  if (own && own->take_spindle(*this) == OwnLanguage::Taken::done) return !finished;
   const program::Word& word = block['S'];
   const double value = word.value();
   if (action != nullptr && action->handler == handlers::set_coordinates) {  // G50 S, G92 S: the clamp
@@ -86,7 +109,8 @@ bool Executor::take_tool() {
       static_cast<int>(data.parameter(dialect.tools.offset_digits_parameter, dialect.tools.offset_digits));
   if (digits < 1 || digits > 3) digits = dialect.tools.offset_digits;
   const std::int64_t split = program::kPowerOfTen[static_cast<std::size_t>(digits)];
-  const std::int64_t number = value / split;
+  const bool both = dialect.tools.short_form && word.digit_count <= digits;
+  const std::int64_t number = both ? value : value / split;
   const std::int64_t wear = value % split;
   const bool by_tool = data.bit(dialect.tools.geometry_by_tool_parameter);
   if (!apply_tool_offset(by_tool && wear != 0 ? number : wear, wear, word.column)) return false;

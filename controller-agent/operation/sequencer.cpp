@@ -5,6 +5,7 @@
 
 #include "operation/controller_impl.hpp"
 #include "operation/overtravel_alarm.hpp"
+#include "operation/unsupported.hpp"
 
 namespace headstock::operation {
 namespace {
@@ -109,6 +110,12 @@ void Controller::Impl::pull_operations() {
 }
 
 void Controller::Impl::take(const interp::Operation& taken) {
+  if (const auto refused = unsupported_alarm(taken)) {
+    raised_here = *refused;
+    pending_alarm = {position_of(taken), std::string(refused->code), {}};
+    post(Await::alarm, {});
+    return;
+  }
   if (is_motion(taken)) {
     anything_moved = true;
     overtravel = feed.add(taken, main_offset);
@@ -140,6 +147,14 @@ void Controller::Impl::take(const interp::Operation& taken) {
     request.offset = tool->offset;
     post(Await::function, function(request));
   } else if (const auto* m = std::get_if<interp::MCode>(&taken)) {
+    if (m->input != 0 || m->at_axis >= 0 || m->delay_s != 0) {
+      raised_here = port_code_alarm();
+      std::string detail(1, 'M');
+      detail += std::to_string(m->code);
+      pending_alarm = {m->at, std::string(raised_here.code), std::move(detail)};
+      post(Await::alarm, {});
+      return;
+    }
     plc::Request request;
     request.code = m->code;
     post(Await::function, function(request));
