@@ -1,5 +1,5 @@
-// A sequence made one element at a time by a coroutine: `co_yield` hands out an element, the function goes on when the
-// next one is asked for. One owner, one thread.
+// A sequence made one element at a time by a coroutine: `co_yield` hands out an element, the function goes on
+// when the next one is asked for. One owner, one thread.
 #pragma once
 
 #include <coroutine>

@@ -1,5 +1,5 @@
-// Plane geometry of turning profiles: straight lines and arcs, where they cross a level, and pieces of them. Lengths in
-// mm as the slides move (X as a radius).
+// Plane geometry of turning profiles: straight lines and arcs, where they cross a level, and pieces of them.
+// Lengths in mm as the slides move (X as a radius).
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ struct Segment {
   Point from{}, to{};
   bool rapid = false;  ///< programmed as G00
   bool arc = false;
-  Point center{};        ///< of an arc
+  Point center{};      ///< of an arc
   double sweep = 0;    ///< of an arc, radians, > 0 counter-clockwise from u to v
   double dwell_s = 0;  ///< after it: a G04 of the profile
 };
@@ -42,8 +42,8 @@ std::array<double, 2> range_v(const Segment& s);
 double against_u(const Segment& s, double sign);
 double against_v(const Segment& s, double sign);
 
-/// A change of coordinates that makes every roughing the same: cutting goes toward +u, material is taken off from +v
-/// downward.
+/// A change of coordinates that makes every roughing the same: cutting goes toward +u, material is taken off
+/// from +v downward.
 struct View {
   bool swapped = false;  ///< u and v exchanged: facing
   double sign_u = 1, sign_v = 1;

@@ -1,5 +1,5 @@
-// What planners make: moves of a cycle in plane coordinates, before offsets, feeds and records. A planner is a pure
-// function of its inputs; the number of its moves has a bound that is known before the first one.
+// What planners make: moves of a cycle in plane coordinates, before offsets, feeds and records. A planner is
+// a pure function of its inputs; the number of its moves has a bound that is known before the first one.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ enum class MoveKind : std::uint8_t { rapid, feed, arc, thread, dwell };
 struct Move {
   MoveKind kind = MoveKind::rapid;
   bool along_u = false, along_v = false;  ///< axes that move; the others stay
-  Point to{};                               ///< mm from the work zero, slide
-  Point center{};                           ///< of an arc
+  Point to{};                             ///< mm from the work zero, slide
+  Point center{};                         ///< of an arc
   double sweep = 0;                       ///< of an arc, radians, > 0 counter-clockwise from u to v
   double lead_mm = 0;                     ///< of a thread, along its longer axis
   double angle_deg = 0;                   ///< of a thread: spindle angle at its start

@@ -1,7 +1,8 @@
-// G71/G72 type II. A level cuts the profile into stretches that lie below it; inside such a stretch the next level
-// makes smaller ones: a tree of pockets, walked depth first, so that a pocket is finished before the next one begins.
-// Between the cuts the contour itself is followed from one level to the next, so nothing is left but the allowance.
-// The tool moves rapidly only above levels that have been cleared over the whole stretch it moves in.
+// G71/G72 type II. A level cuts the profile into stretches that lie below it; inside such a stretch the next
+// level makes smaller ones: a tree of pockets, walked depth first, so that a pocket is finished before the
+// next one begins. Between the cuts the contour itself is followed from one level to the next, so nothing is
+// left but the allowance. The tool moves rapidly only above levels that have been cleared over the whole
+// stretch it moves in.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,7 +14,7 @@ namespace headstock::cycles {
 namespace {
 
 struct Pocket {
-  Stretch range;                  ///< of the profile; cleared down to `level`
+  Stretch range;  ///< of the profile; cleared down to `level`
   std::int64_t level = 0;
   std::vector<Stretch> children;  ///< its parts below the next level
   std::size_t next = 0;           ///< child to cut
@@ -64,9 +65,14 @@ class Cutter {
     const double u = point_at(profile_, place).u;
     if (u - here_.u > kTiny) emit(move_u(MoveKind::feed, u));
   }
+  // At 45° over the ground just cut, or straight up when a ridge stands there.
   void leave(double left_place) {
     const double room = here_.u - point_at(profile_, left_place).u;
-    const double out = std::clamp(room, 0.0, job_.retract);
+    double out = std::clamp(room, 0.0, job_.retract);
+    for (const Segment& s : profile_) {
+      const auto u = range_u(s);
+      if (u[1] > here_.u - out && u[0] < here_.u && range_v(s)[1] > here_.v + kTiny) out = 0;
+    }
     if (job_.retract > kTiny) emit(move_both(MoveKind::feed, {here_.u - out, here_.v + job_.retract}));
   }
 

@@ -114,7 +114,8 @@ std::optional<Place> find_sequence(Executor& ex, Place from, std::uint32_t seque
       const program::LexResult read = program::lex_block(line.text, at, ex.lex_rules, block);
       const Place here{line.byte_offset + static_cast<std::uint64_t>(at - line.text.data()), line.number};
       if (read.status == program::LexStatus::record_end && here.offset > from.offset) return std::nullopt;
-      if (block.has_number && block.number != frame.number && here.offset > 0 && from.offset > 0) return std::nullopt;
+      if (block.has_number && block.number != frame.number && here.offset > 0 && from.offset > 0)
+        return std::nullopt;
       if (block.has_sequence && block.sequence == sequence) return here;
       at = read.rest == end ? nullptr : read.rest;
     }
@@ -168,7 +169,8 @@ bool admit_block(Executor& ex, const Rules& rules, bool first, std::size_t count
     const bool dwell = row->tenths == 40;
     const bool motion = row->phase == dialects::Phase::motion;
     bool allowed = row->phase != dialects::Phase::unavailable;
-    if (row->phase == dialects::Phase::action || row->group == 0) allowed = dwell || row->phase == dialects::Phase::modifier;
+    if (row->phase == dialects::Phase::action || row->group == 0)
+      allowed = dwell || row->phase == dialects::Phase::modifier;
     if (motion) allowed = row->tenths <= 30;
     if (row->cycle) allowed = false;
     for (const char* unit : {"inch", "metric"}) {
@@ -188,7 +190,8 @@ bool admit_block(Executor& ex, const Rules& rules, bool first, std::size_t count
 // Watches a profile while it is read: its blocks may hold only what the control allows.
 class Reading final : public interp::BlockWatch {
  public:
-  Reading(const Rules& rules, BlockRange range, std::size_t depth) : rules_(rules), range_(range), depth_(depth) {}
+  Reading(const Rules& rules, BlockRange range, std::size_t depth)
+      : rules_(rules), range_(range), depth_(depth) {}
   bool admit(Executor& ex) override {
     const bool first = count_ == 0;
     if (first) first_words_ = ex.block.words;
@@ -215,7 +218,12 @@ class Reading final : public interp::BlockWatch {
 class Finishing final : public interp::BlockWatch {
  public:
   Finishing(const Rules& rules, BlockRange range, const Executor& ex, Place behind)
-      : rules_(rules), range_(range), depth_(ex.frames.size()), behind_(behind), start_(ex.machine_now), at_(ex.at) {}
+      : rules_(rules),
+        range_(range),
+        depth_(ex.frames.size()),
+        behind_(behind),
+        start_(ex.machine_now),
+        at_(ex.at) {}
   bool admit(Executor& ex) override {
     const bool first = count_ == 0;
     return admit_block(ex, rules_, first, ++count_);
@@ -225,7 +233,8 @@ class Finishing final : public interp::BlockWatch {
     PlaneAxes axes;
     ex.at = at_;
     if (!plane_axes(ex, rules_, axes)) return false;
-    // Back to the start point: an offset changed by the profile moves with it, the slides go where they stood.
+    // Back to the start point: an offset changed by the profile moves with it, the slides go where they
+    // stood.
     for (const std::size_t i : {axes.u, axes.v}) ex.set_axis_machine(i, start_[i]);
     auto& move = ex.emit<interp::Rapid>();
     ex.fill_motion(move, 1u << axes.u | 1u << axes.v);
@@ -256,7 +265,8 @@ bool fail(Executor& ex, const Rules& rules, Fault fault, char letter, std::strin
 }
 
 bool plane_axes(Executor& ex, const Rules& rules, PlaneAxes& axes) {
-  constexpr PlaneAxes kNames[] = {{0, 0, 'X', 'Y', 'U', 'V'}, {0, 0, 'Z', 'X', 'W', 'U'}, {0, 0, 'Y', 'Z', 'V', 'W'}};
+  constexpr PlaneAxes kNames[] = {
+      {0, 0, 'X', 'Y', 'U', 'V'}, {0, 0, 'Z', 'X', 'W', 'U'}, {0, 0, 'Y', 'Z', 'V', 'W'}};
   axes = kNames[static_cast<std::size_t>(ex.plane)];
   const auto u = ex.axis_named(axes.u_name);
   const auto v = ex.axis_named(axes.v_name);
@@ -315,7 +325,8 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   };
   const auto take = [&](const Operation& operation) {
     if (const auto* alarm = std::get_if<interp::Alarm>(&operation)) raised = *alarm;
-    if (const auto* dwell = std::get_if<interp::Dwell>(&operation); dwell != nullptr && !profile.segments.empty()) {
+    if (const auto* dwell = std::get_if<interp::Dwell>(&operation);
+        dwell != nullptr && !profile.segments.empty()) {
       profile.segments.back().dwell_s += dwell->seconds;
     }
     const auto add = [&](const interp::Motion& motion, Segment s) {
@@ -346,7 +357,9 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   }
 
   const auto words = reading.first_words();
-  const auto named = [&](char a, char b) { return (words & (program::letter_bit(a) | program::letter_bit(b))) != 0; };
+  const auto named = [&](char a, char b) {
+    return (words & (program::letter_bit(a) | program::letter_bit(b))) != 0;
+  };
   profile.first_moves_u = named(axes.u_name, axes.u_step);
   profile.first_moves_v = named(axes.v_name, axes.v_step);
 
@@ -364,7 +377,8 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   }
   ex.finished = false;
   before.restore(ex);
-  if (stuck || !reading.over()) return fail(ex, rules, Fault::not_found, 'Q', "N" + std::to_string(range.last));
+  if (stuck || !reading.over())
+    return fail(ex, rules, Fault::not_found, 'Q', "N" + std::to_string(range.last));
   if (wrong_axis) return fail(ex, rules, Fault::wrong_plane, 'P');
   if (profile.segments.empty()) return fail(ex, rules, Fault::not_found, 'P', "no motion");
 
@@ -379,7 +393,8 @@ bool start_finishing(Executor& ex, const Rules& rules, BlockRange range) {
   if (!go_to(ex, behind)) return fail(ex, rules, Fault::not_stored, 'P');
   const auto& known = ex.cycle.profile;
   std::optional<Place> place;
-  if (known.valid && known.program == ex.at.program && known.first == range.first && known.last == range.last) {
+  if (known.valid && known.program == ex.at.program && known.first == range.first &&
+      known.last == range.last) {
     place = Place{known.offset, known.line};
   } else {
     place = find_profile(ex, range, behind);

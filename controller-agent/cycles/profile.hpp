@@ -1,5 +1,5 @@
-// Profiles N p … N q of G70-G73: found in the program, read by carrying their blocks out without motion (so that
-// macros, corners and every number form mean what they mean when cut), and cut by G70.
+// Profiles N p … N q of G70-G73: found in the program, read by carrying their blocks out without motion (so
+// that macros, corners and every number form mean what they mean when cut), and cut by G70.
 #pragma once
 
 #include <cstdint>
@@ -16,9 +16,9 @@ struct BlockRange {
 };
 
 struct Profile {
-  Point start;                 ///< where the tool stands when the cycle begins
-  Path segments;               ///< all moves, the approach A → A' included
-  std::size_t approach = 0;    ///< how many of them are the first block's
+  Point start;                                        ///< where the tool stands when the cycle begins
+  Path segments;                                      ///< all moves, the approach A → A' included
+  std::size_t approach = 0;                           ///< how many of them are the first block's
   bool first_moves_u = false, first_moves_v = false;  ///< axes of the first block
   bool first_rapid = true;
 };
@@ -26,11 +26,12 @@ struct Profile {
 /// Reads P and Q. @return false after an alarm.
 bool take_range(interp::Executor& ex, const Rules& rules, BlockRange& range);
 
-/// Reads the profile ahead. Afterwards the program goes on behind it (or behind the cycle's block when the profile
-/// stands before it) and the modal state is what it was. @return false after an alarm.
+/// Reads the profile ahead. Afterwards the program goes on behind it (or behind the cycle's block when the
+/// profile stands before it) and the modal state is what it was. @return false after an alarm.
 bool read_profile(interp::Executor& ex, const Rules& rules, BlockRange range, Profile& profile);
 
-/// Starts cutting the profile: its blocks are carried out next, then the tool returns rapidly to where it stands now.
+/// Starts cutting the profile: its blocks are carried out next, then the tool returns rapidly to where it
+/// stands now.
 bool start_finishing(interp::Executor& ex, const Rules& rules, BlockRange range);
 
 /// Raises the controller's alarm for a fault. Always returns false.

@@ -26,7 +26,8 @@ View view_of(const Roughing& job) {
   const Point a = view.to(job.start);
   const Point first = view.to(job.profile.front().from);
   const Point last = view.to(job.profile.back().to);
-  // Material lies between the start and A'; when the tool already stands at that level, the profile rises toward it.
+  // Material lies between the start and A'; when the tool already stands at that level, the profile rises
+  // toward it.
   const double depth = std::fabs(a.v - first.v) > kTiny ? a.v - first.v : last.v - first.v;
   if (depth < 0) view.sign_v = -1;
   if (last.u < first.u) view.sign_u = -1;
@@ -133,7 +134,8 @@ Moves parallel_cuts(Roughing job) {
   }
   double top = first.v;  // a profile that was not checked may end below its highest point
   for (const Segment& s : profile) top = std::max(top, range_v(s)[1]);
-  if (job.contour_pass && profile.back().to.v < top - kTiny) co_yield back(view, move_v(MoveKind::rapid, std::max(top, c.v)));
+  if (job.contour_pass && profile.back().to.v < top - kTiny)
+    co_yield back(view, move_v(MoveKind::rapid, std::max(top, c.v)));
   if (job.return_by_allowance) co_yield back(view, move_both(MoveKind::rapid, c));
   co_yield back(view, move_both(MoveKind::rapid, a));
 }

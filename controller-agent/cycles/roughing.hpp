@@ -1,4 +1,5 @@
-// G71, G72: stock removal in parallel cuts (roughing.cpp: type I, pockets.cpp: type II), G73: pattern repeating.
+// G71, G72: stock removal in parallel cuts (roughing.cpp: type I, pockets.cpp: type II), G73: pattern
+// repeating.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +9,17 @@
 namespace headstock::cycles {
 
 struct Roughing {
-  Point start{};            ///< A: where the tool stands
-  Path profile{};           ///< from A' to B, as programmed; the move A → A' is not part of it
+  Point start{};               ///< A: where the tool stands
+  Path profile{};              ///< from A' to B, as programmed; the move A → A' is not part of it
   bool approach_rapid = true;  ///< A → A' is a G00: the tool is fed in rapidly
-  Point allowance{};        ///< Δw, Δu/2: shifts the profile, signed
-  double depth = 0;       ///< Δd, > 0
-  double retract = 0;     ///< e, ≥ 0
-  bool facing = false;    ///< G72: cuts parallel to the second axis
-  /// Last cut at the profile's first level, of what is left there; otherwise the contour pass takes it (GSK 2000TC).
+  Point allowance{};           ///< Δw, Δu/2: shifts the profile, signed
+  double depth = 0;            ///< Δd, > 0
+  double retract = 0;          ///< e, ≥ 0
+  bool facing = false;         ///< G72: cuts parallel to the second axis
+  /// Last cut at the profile's first level, of what is left there; otherwise the contour pass takes it (GSK
+  /// 2000TC).
   bool level_cut_at_start = true;
-  bool contour_pass = true;      ///< follow the contour with the allowance at the end
+  bool contour_pass = true;          ///< follow the contour with the allowance at the end
   bool return_by_allowance = false;  ///< B → A + allowance → A instead of B → A
   /// Pockets: leave every cut along the contour (0i-D type II; K2000TC FCRPN = 1), otherwise follow it later.
   bool contour_out = true;
@@ -46,8 +48,8 @@ struct Pattern {
   Point start;
   Path profile{};
   bool approach_rapid = true;
-  Point allowance{};         ///< Δw, Δu/2
-  Point relief{};            ///< Δk, Δi (radius), signed
+  Point allowance{};        ///< Δw, Δu/2
+  Point relief{};           ///< Δk, Δi (radius), signed
   std::int64_t passes = 1;  ///< ≥ 1
 };
 

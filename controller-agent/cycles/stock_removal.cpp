@@ -61,7 +61,8 @@ bool check_monotonic(Executor& ex, const Rules& rules, const Roughing& job, bool
 
 // The approach A → A' apart from the contour A' → B.
 bool split(Executor& ex, const Rules& rules, Profile& read, bool& approach_rapid, Path& contour) {
-  if (read.segments.size() <= read.approach) return fail(ex, rules, Fault::not_found, 'P', "no contour behind the first block");
+  if (read.segments.size() <= read.approach)
+    return fail(ex, rules, Fault::not_found, 'P', "no contour behind the first block");
   approach_rapid = read.first_rapid;
   contour.assign(read.segments.begin() + static_cast<std::ptrdiff_t>(read.approach), read.segments.end());
   return true;
@@ -94,7 +95,8 @@ bool stock_removal(Executor& ex, bool facing) {
   Profile read;
   if (!read_profile(ex, rules, range, read)) return false;
   const bool both = read.first_moves_u && read.first_moves_v;
-  const bool along_only = facing ? read.first_moves_v && !read.first_moves_u : read.first_moves_u && !read.first_moves_v;
+  const bool along_only =
+      facing ? read.first_moves_v && !read.first_moves_u : read.first_moves_u && !read.first_moves_v;
   if (along_only || (both && rules.shapes == Shapes::parallel)) {
     return fail(ex, rules, Fault::first_block_axis, 'P');
   }
@@ -103,16 +105,18 @@ bool stock_removal(Executor& ex, bool facing) {
   job.level_cut_at_start = rules.level_cut_at_start;
   job.return_by_allowance = rules.return_by_allowance;
   const bool pockets = rules.shapes == Shapes::pockets || (both && rules.shapes == Shapes::by_first_block);
-  job.contour_pass =
-      rules.contour_pass && !ex.data.bit(pockets ? rules.parameters.no_contour_2 : rules.parameters.no_contour_1);
+  job.contour_pass = rules.contour_pass &&
+                     !ex.data.bit(pockets ? rules.parameters.no_contour_2 : rules.parameters.no_contour_1);
   job.contour_out = rules.contour_out_parameter.empty() || ex.data.bit(rules.contour_out_parameter);
   if (!check_monotonic(ex, rules, job, pockets)) return false;
   if (above_start(job) > kTiny) return fail(ex, rules, Fault::above_start, 'P');
-  if (pockets && backward(job).along > kTiny) {  // within the control's tolerance, or unchecked: cuts stay above it
+  if (pockets &&
+      backward(job).along > kTiny) {  // within the control's tolerance, or unchecked: cuts stay above it
     start(ex, facing ? "G72" : "G71", axes, parallel_cuts(std::move(job)));
     return true;
   }
-  start(ex, facing ? "G72" : "G71", axes, pockets ? pocket_cuts(std::move(job)) : parallel_cuts(std::move(job)));
+  start(ex, facing ? "G72" : "G71", axes,
+        pockets ? pocket_cuts(std::move(job)) : parallel_cuts(std::move(job)));
   return true;
 }
 
@@ -147,7 +151,8 @@ bool pattern_repeating(Executor& ex) {
     job.relief = {b.has('K') ? ex.length_mm(b['K']) : 0, b.has('I') ? ex.length_mm(b['I']) : 0};
     job.passes = b.has('D') ? b['D'].integer() : 1;
   } else {
-    job.relief = {ex.data.parameter(rules.parameters.relief_along), ex.data.parameter(rules.parameters.relief_across)};
+    job.relief = {ex.data.parameter(rules.parameters.relief_along),
+                  ex.data.parameter(rules.parameters.relief_across)};
     job.passes = static_cast<std::int64_t>(ex.data.parameter(rules.parameters.passes, 1));
   }
   if (job.passes < 1) return fail(ex, rules, Fault::passes, one_block ? 'D' : 'R');

@@ -42,8 +42,7 @@ class TurningRun final : public interp::MoveSource {
     if (move.along_u) go(ex, axes_.u, move.to.u);
     if (move.along_v) go(ex, axes_.v, move.to.v);
     const bool moves = ex.shown(axes_.u) != before[axes_.u] || ex.shown(axes_.v) != before[axes_.v];
-    const std::uint32_t mask =
-        (move.along_u ? 1u << axes_.u : 0) | (move.along_v ? 1u << axes_.v : 0);
+    const std::uint32_t mask = (move.along_u ? 1u << axes_.u : 0) | (move.along_v ? 1u << axes_.v : 0);
     if (!moves && move.kind != MoveKind::arc) return false;
     switch (move.kind) {
       case MoveKind::rapid: {
@@ -77,7 +76,8 @@ class TurningRun final : public interp::MoveSource {
         motion.radius_mm = std::hypot(from.u - move.center.u, from.v - move.center.v);
         motion.center_work = motion.end_work;
         motion.center_machine = motion.end_machine;
-        for (const auto& [axis, center] : {std::pair{axes_.u, move.center.u}, std::pair{axes_.v, move.center.v}}) {
+        for (const auto& [axis, center] :
+             {std::pair{axes_.u, move.center.u}, std::pair{axes_.v, move.center.v}}) {
           motion.center_work[axis] = center / ex.axes[axis].mm_per_unit;
           motion.center_machine[axis] = center + ex.modal.work_zero[axis];
         }

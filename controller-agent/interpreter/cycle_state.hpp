@@ -1,5 +1,5 @@
-// What an interpreter keeps for canned cycles. The cycles themselves live in cycles/; these are the places where they
-// take part in the execution of blocks.
+// What an interpreter keeps for canned cycles. The cycles themselves live in cycles/; these are the places
+// where they take part in the execution of blocks.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ namespace headstock::interp {
 
 struct Executor;
 
-/// A cycle in progress: asked for its next operation before the next block is read. Operations are made one by one, so
-/// a cycle of a million moves needs no memory for them.
+/// A cycle in progress: asked for its next operation before the next block is read. Operations are made one
+/// by one, so a cycle of a million moves needs no memory for them.
 class MoveSource {
  public:
   virtual ~MoveSource() = default;
@@ -36,7 +36,7 @@ class BlockWatch {
 
 /// Words of the single turning cycles G90, G92, G94: modal until another code of group 01 or a one-shot code.
 struct BoxWords {
-  dialects::Handler owner = nullptr;  ///< whose words they are; nullptr: none
+  dialects::Handler owner = nullptr;            ///< whose words they are; nullptr: none
   std::array<double, machine::kMaxAxes> end{};  ///< target, slide mm from the work zero
   std::uint32_t given = 0;                      ///< axes that have a target
   double taper = 0;                             ///< R, mm as programmed (radius, or along Z for G94)

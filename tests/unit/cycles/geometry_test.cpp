@@ -80,8 +80,8 @@ TEST(Geometry, ViewGoesThereAndBackForEverySign) {
 
 TEST(Geometry, StretchesBelowALevel) {
   // Down into a groove and up again, a ridge at 5, then a second groove.
-  const Path path = {line({0, 10}, {0, 2}), line({0, 2}, {4, 2}), line({4, 2}, {6, 6}), line({6, 6}, {8, 2}),
-                     line({8, 2}, {12, 2}), line({12, 2}, {12, 10})};
+  const Path path = {line({0, 10}, {0, 2}), line({0, 2}, {4, 2}),  line({4, 2}, {6, 6}),
+                     line({6, 6}, {8, 2}),  line({8, 2}, {12, 2}), line({12, 2}, {12, 10})};
   const auto low = not_above(path, 4, {0, 6});
   ASSERT_EQ(low.size(), 2u);
   EXPECT_NEAR(point_at(path, low[0].to).u, 5, 1e-12);
