@@ -22,6 +22,17 @@ using R = AlarmReason;
 
 // Reasons that only some controls print a number of their own for, and whose number the others print.
 constexpr std::pair<R, R> kFinerReasons[] = {
+    {AlarmReason::life_format, AlarmReason::data_input},
+    {AlarmReason::life_group_number, AlarmReason::data_input},
+    {AlarmReason::life_group_missing, AlarmReason::offset_number},
+    {AlarmReason::life_too_many_tools, AlarmReason::data_input},
+    {AlarmReason::life_no_t, AlarmReason::data_input},
+    {AlarmReason::life_not_in_use, AlarmReason::offset_number},
+    {AlarmReason::life_wrong_t, AlarmReason::offset_number},
+    {AlarmReason::life_no_p_l, AlarmReason::data_input},
+    {AlarmReason::life_too_many_groups, AlarmReason::data_input},
+    {AlarmReason::life_value, AlarmReason::data_value},
+    {AlarmReason::life_data, AlarmReason::offset_number},
     {R::g_not_now, R::illegal_g},
     {R::scale_value, R::value_range},
     {R::scaling_code, R::illegal_g},

@@ -25,12 +25,19 @@ Dialect make_gsk_2000tc() {
   d.calls.l_repeats = true;  // E5
   d.calls.most_repeats = 9'999;
   d.tools.most_offsets = 32;
-  d.corner_words = letters("LD");  // L2270
-  d.may_repeat = letters("STHL");  // S177.7 = 1
+  d.corner_words = letters("LD");           // L2270
+  d.may_repeat = letters("STHL");           // S177.7 = 1
   d.both_forms = BothForms::absolute_wins;  // L572
   d.end_of_text = EndOfText::end;
   d.reference_cancels_offset = true;  // L2500
   d.m99_main_counts_part = true;      // L7412
+  // Only the bits are in the manual (L11946): the form is that of the family's other lathes (see README).
+  d.life = {.form = ToolLifeRules::Form::turret,
+            .enable_parameter = "S002.0",
+            .most_groups = 32,
+            .tools_in_group = 8,  // rows of the page (L7546)
+            .every_use_parameter = "S002.2",
+            .next_group_parameter = "S002.4"};
   d.linear_rapid_parameter = "S172.0";
   d.dwell_turns_parameter = "S212.7";
   return d;
