@@ -25,6 +25,7 @@ Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& mac
   }
   select_plane(dialect.tools.lathe ? Plane::zx : Plane::xy);
   queue.reserve(8);
+  if (dialect.make_own != nullptr) own = dialect.make_own(*this);
   modal.g.fill(-1);
   set_units(false);
   set_switches({});
@@ -96,6 +97,7 @@ void Executor::power_on() {
   }
   set_units(inch);
   feed_mm = dialect.numbers.power_on_feed_mm_min;
+  if (own) own->power_on(*this);
 }
 
 void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& machine_position) {
@@ -111,6 +113,8 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   tool_life::begin_run(*this);
   data_input = {};
   take_parameters();
+  if (own) own->start(*this);
+  update_zeros();
   set_position(machine_position);
 }
 
@@ -142,6 +146,7 @@ void Executor::reset(const AxisVector& machine_position) {
   if (dialect.reset_clears || data.bit(dialect.reset_clears_parameter)) power_on();
   spindle_direction = SpindleDirection::stop;
   tool_life::leave(*this);
+  if (own) own->reset(*this);
   set_position(machine_position);
 }
 

@@ -20,6 +20,7 @@
 #include "interpreter/data_input.hpp"
 #include "interpreter/interpreter.hpp"
 #include "interpreter/machine_data.hpp"
+#include "interpreter/own_language.hpp"
 #include "interpreter/polar_command.hpp"
 #include "interpreter/skip.hpp"
 #include "interpreter/tool_life.hpp"
@@ -68,6 +69,7 @@ struct Frame {
   bool at_start = true;               ///< nothing but tape marks and the O word so far
   std::int64_t wanted_sequence = -1;  ///< searching this N; -1: not searching
   SourcePosition wanted_by;           ///< of the jump, for the alarm
+  std::string wanted_name;            ///< label of the jump where labels are not numbers
 };
 
 struct Executor {
@@ -175,7 +177,8 @@ struct Executor {
   bool take_one_digit_feed(int digit);
   bool take_spindle();
   bool take_tool();
-  std::int64_t offset_split() const;
+  int offset_digits() const;            ///< of the T word
+  std::int64_t offset_split() const;  ///< the offset number is the T word modulo this
   void emit_spindle();
   bool apply_tool_offset(std::int64_t geometry, std::int64_t wear, std::uint32_t column);
 
@@ -203,6 +206,7 @@ struct Executor {
   MachineData& data;
   program::Programs* programs;
   DataChanged changed;
+  std::unique_ptr<OwnLanguage> own;  ///< of the dialect; most have none
 
   // ---- settings
   Switches switches;

@@ -65,6 +65,7 @@ bool Executor::take_one_digit_feed(int digit) {
 }
 
 bool Executor::take_spindle() {
+  if (own && own->take_spindle(*this) == OwnLanguage::Taken::done) return !finished;
   const program::Word& word = block['S'];
   const double value = word.value();
   if (action != nullptr && action->handler == handlers::set_coordinates) {  // G50 S, G92 S: the clamp
@@ -93,12 +94,14 @@ void Executor::emit_spindle() {
   spindle_changed = false;
 }
 
-// The offset number is the T word modulo this.
-std::int64_t Executor::offset_split() const {
-  int digits =
+int Executor::offset_digits() const {
+  const int digits =
       static_cast<int>(data.parameter(dialect.tools.offset_digits_parameter, dialect.tools.offset_digits));
-  if (digits < 1 || digits > 3) digits = dialect.tools.offset_digits;
-  return program::kPowerOfTen[static_cast<std::size_t>(digits)];
+  return digits < 1 || digits > 3 ? dialect.tools.offset_digits : digits;
+}
+
+std::int64_t Executor::offset_split() const {
+  return program::kPowerOfTen[static_cast<std::size_t>(offset_digits())];
 }
 
 bool Executor::take_tool() {
@@ -113,7 +116,8 @@ bool Executor::take_tool() {
     return true;
   }
   const std::int64_t split = offset_split();
-  const std::int64_t number = value / split;
+  const bool both = dialect.tools.short_form && word.digit_count <= offset_digits();
+  const std::int64_t number = both ? value : value / split;
   const std::int64_t wear = value % split;
   const bool by_tool = data.bit(dialect.tools.geometry_by_tool_parameter);
   if (!apply_tool_offset(by_tool && wear != 0 ? number : wear, wear, word.column)) return false;

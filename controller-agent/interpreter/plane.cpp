@@ -35,10 +35,10 @@ void Executor::select_plane(Plane wanted) {
   const auto find = [this](int role) {
     int found = -1;
     for (std::size_t i = 0; i < axes.size(); ++i) {
-      const int own = role_of(i);
-      if (basic_role(own) != role) continue;
+      const int its = role_of(i);
+      if (basic_role(its) != role) continue;
       if (block.has(axes[i].name)) return static_cast<int>(i);
-      if (own == role || found < 0) found = own == role ? static_cast<int>(i) : found;
+      if (its == role || found < 0) found = its == role ? static_cast<int>(i) : found;
     }
     return found;
   };
