@@ -131,7 +131,8 @@ void set_alarm_codes(Dialect& dialect, std::string_view otherwise,
   dialect.alarm_codes[static_cast<std::size_t>(AlarmReason::endless_loop)] = "HS0001";  // ours: see README
   for (const auto& [reason, code] : codes) dialect.alarm_codes[static_cast<std::size_t>(reason)] = code;
   const auto given = [&codes](AlarmReason reason) {
-    return std::any_of(codes.begin(), codes.end(), [reason](const auto& code) { return code.first == reason; });
+    return std::any_of(codes.begin(), codes.end(),
+                       [reason](const auto& code) { return code.first == reason; });
   };
   for (const auto& [fine, coarse] : kFinerReasons) {
     if (!given(fine)) dialect.set_alarm_code(fine, dialect.alarm_code(coarse));
