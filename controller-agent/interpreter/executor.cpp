@@ -117,6 +117,7 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   finished = false;
   jumps = 0;
   at = {};
+  tool_life::begin_run(*this);
   data_input = {};
   take_parameters();
   if (own) own->start(*this);
@@ -161,6 +162,7 @@ void Executor::reset(const AxisVector& machine_position) {
   finished = true;
   clear_modes();
   spindle_direction = SpindleDirection::stop;
+  tool_life::leave(*this);
   if (own) own->reset(*this);
   set_position(machine_position);
 }

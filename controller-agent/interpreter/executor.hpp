@@ -25,6 +25,7 @@
 #include "interpreter/polar_command.hpp"
 #include "interpreter/skip.hpp"
 #include "interpreter/surface.hpp"
+#include "interpreter/tool_life.hpp"
 #include "interpreter/transform.hpp"
 #include "machine/machine.hpp"
 #include "program/block.hpp"
@@ -201,6 +202,8 @@ struct Executor {
   bool take_one_digit_feed(int digit);
   bool take_spindle();
   bool take_tool();
+  int offset_digits() const;            ///< of the T word
+  std::int64_t offset_split() const;  ///< the offset number is the T word modulo this
   void emit_spindle();
   double highest_rpm() const;              // spindle.cpp
   std::uint8_t gear_of(double speed) const;
@@ -275,6 +278,7 @@ struct Executor {
   bool any_rolls_over = false, any_on_circle = false;
   char auxiliary_letter = 0;      ///< of the second auxiliary function; 0: none
   bool one_digit_feed = false;    ///< F1…F9 are digits
+  ToolLife life;
   bool one_digit_rapid = false;  ///< F0 of one-digit feed: cutting moves run at the rapid rate
   AxisVector increment_limit{};  ///< G91.1, programming units; 0: none
   double unit_mm = 1;  ///< mm of a programming unit
