@@ -22,7 +22,21 @@ struct OneDigitFeed {
   std::string_view most_1_to_4, most_5_to_9;  ///< upper limits
 };
 
+/// G codes of a function that a parameter takes away.
+struct Option {
+  std::string_view absent_parameter;  ///< bit: the control does not have it
+  std::int16_t first = 0, last = 0;   ///< codes [tenths]
+};
+
 struct ModeRules {
+  std::span<const Option> options;
+  std::string_view system_b_parameter, system_c_parameter;  ///< bits: G-code system B, C
+  std::string_view tenfold_unit_parameter;  ///< bit: 1 without a point is ten least increments
+  std::string_view axis_decimal_parameter;  ///< bit an axis: 1 without a point is 1 mm
+  std::string_view fine_feed_per_minute_parameter,
+      fine_feed_per_revolution_parameter;   ///< bits: F counts in 0.001
+  bool flow_codes_alone = false;            ///< M00 M01 M02 M30 M98 M99 share a block with no other M code
+  std::string_view polygon_axis_parameter;  ///< tool axis of polygon turning; 0: alarm
   OneDigitFeed one_digit_feed;
 
   // ---- compensation: modes that refuse each other ask for it

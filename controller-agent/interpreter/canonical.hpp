@@ -161,6 +161,14 @@ struct SpindleWatch {
   double width_rpm = 0;      ///< I: allowed fluctuation; the wider one counts
 };
 
+/// G51.2/G50.2: polygon turning, the tool axis turns with the spindle.
+struct PolygonTurning {
+  SourcePosition at;
+  bool on = false;
+  std::int32_t spindle_ratio = 1;  ///< P: 1…999
+  std::int32_t tool_ratio = 1;     ///< Q: −999…999, negative: the other way
+};
+
 /// Second auxiliary function (B, or the address the parameters say): goes to the machine as MCode does.
 struct SecondAuxiliary {
   SourcePosition at;
@@ -221,6 +229,6 @@ struct End {
 
 using Operation =
     std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm, End, ContourMode,
-                 StrokeCheck, SpindleWatch, SecondAuxiliary>;
+                 StrokeCheck, SpindleWatch, SecondAuxiliary, PolygonTurning>;
 
 }  // namespace headstock::interp

@@ -28,6 +28,7 @@ void Executor::clear_modes() {
   const auto& rules = dialect.modes;
   leave_surface();
   data_input = {};
+  polygon = false;
   increment_limit = {};  // G91.1 lasts until RESET
   const bool clear = dialect.reset_clears || data.bit(dialect.reset_clears_parameter);
   std::uint32_t keep = 0;

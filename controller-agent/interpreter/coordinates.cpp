@@ -15,7 +15,7 @@ bool for_axis_words(Executor& ex, const Apply& apply) {
     const auto axis = static_cast<std::size_t>(ex.axis_of[letter]);
     const program::Word& word = ex.block.word[letter];
     const bool by = (ex.incremental_letters >> letter & 1u) != 0;
-    if (!apply(axis, ex.nano(word, ex.axes[axis].increment), by, word)) return false;
+    if (!apply(axis, ex.axis_value(word, ex.axes[axis]), by, word)) return false;
   }
   return true;
 }

@@ -33,11 +33,15 @@ Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& mac
 }
 
 void Executor::set_switches(const Switches& wanted) {
-  const bool other_system = table == nullptr || wanted.gcode_system != switches.gcode_system;
+  char wanted_system = wanted.gcode_system;  // A is also "as the parameters say"
+  if (wanted_system == 'A' && data.bit(dialect.modes.system_b_parameter)) wanted_system = 'B';
+  if (wanted_system == 'A' && data.bit(dialect.modes.system_c_parameter)) wanted_system = 'C';
+  const bool other_system = table == nullptr || wanted_system != gcode_system;
+  gcode_system = wanted_system;
   switches = wanted;
-  const std::size_t system = switches.gcode_system == 'C' ? 2 : switches.gcode_system == 'B' ? 1 : 0;
+  const std::size_t system = gcode_system == 'C' ? 2 : gcode_system == 'B' ? 1 : 0;
   const auto& numbers = dialect.numbers;
-  if (other_system) table = &dialect.table(switches.gcode_system);
+  if (other_system) table = &dialect.table(gcode_system);
 
   using dialects::Decimal;
   Decimal decimal = data.bit(numbers.decimal_parameter) ? numbers.decimal_when_set : numbers.decimal;
@@ -93,7 +97,7 @@ void Executor::power_on(std::uint32_t keep) {
   for (const GCode& row : table->rows()) {
     if (row.power_on) put_in_force(row);
   }
-  const std::size_t system = switches.gcode_system == 'C' ? 2 : switches.gcode_system == 'B' ? 1 : 0;
+  const std::size_t system = gcode_system == 'C' ? 2 : gcode_system == 'B' ? 1 : 0;
   for (const auto& chosen : dialect.power_on_switches) {
     const GCode* row = data.bit(chosen.parameter) ? table->find(chosen.tenths[system]) : nullptr;
     if (row != nullptr) put_in_force(*row);

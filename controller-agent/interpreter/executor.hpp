@@ -59,6 +59,7 @@ struct ProgramAxis {
   bool rolls_over = false;   ///< rotary: absolute positions count within one turn; `position` itself runs on
   bool by_sign = false;      ///< …: the sign of an absolute command is the direction; otherwise the shorter way
   std::int64_t turn = 0;     ///< one turn, nano degrees
+  std::int64_t word_unit = program::kNano / 1000;  ///< what 1 without a decimal point is
   bool on_circle = false;    ///< rotary: F counts on an imaginary circle …
   double circle_mm = 0;      ///< … of this radius; 0: the axis does not count (0i-D 5.5)
 };
@@ -127,6 +128,10 @@ struct Executor {
   }
   std::int64_t round_to(std::int64_t value, std::int64_t increment) const;
   double feed_value(const program::Word& word) const;
+  /// An axis word in nano units of the programming unit.
+  std::int64_t axis_value(const program::Word& word, const ProgramAxis& axis) const {
+    return word.point || pocket ? word.nano() : word.digits * axis.word_unit;
+  }
   /// A word that must be a whole number ≥ 0. @return -1 after raising an alarm.
   std::int64_t whole(char letter, AlarmReason otherwise);
 
@@ -276,6 +281,12 @@ struct Executor {
   SurfacePath surface_path;
   ModalSnapshot shown_modal;  ///< see modal_on_machine
   bool any_rolls_over = false, any_on_circle = false;
+  bool polygon = false;           ///< G51.2
+  char gcode_system = 'A';        ///< in force: the switch, or the parameter
+  struct Codes {
+    std::int16_t first = 0, last = 0;
+  };
+  std::vector<Codes> absent_codes;  ///< G codes [tenths] of functions that parameters say the control has not
   char auxiliary_letter = 0;      ///< of the second auxiliary function; 0: none
   bool one_digit_feed = false;    ///< F1…F9 are digits
   ToolLife life;

@@ -22,8 +22,10 @@ double Executor::feed_value(const program::Word& word) const {
   if (!word.point && !pocket) {
     if (feed_unit == FeedUnit::mm_per_minute) {
       unit = modal.inch ? numbers.feed_per_minute_unit_inch : numbers.feed_per_minute_unit_mm;
+      if (data.bit(dialect.modes.fine_feed_per_minute_parameter)) unit = modal.inch ? 0.00001 : 0.001;
     } else if (feed_unit == FeedUnit::mm_per_revolution) {
       unit = modal.inch ? numbers.feed_per_revolution_unit_inch : numbers.feed_per_revolution_unit_mm;
+      if (data.bit(dialect.modes.fine_feed_per_revolution_parameter)) unit = modal.inch ? 0.00001 : 0.001;
     } else {
       unit = 0.001;
     }

@@ -34,6 +34,9 @@ bool contour_by_p(Executor& ex);
 bool increment_limit(Executor& ex);
 bool single_direction(Executor& ex);
 bool cylinder(Executor& ex);
+bool polygon_on(Executor& ex);
+bool polygon_off(Executor& ex);
+bool servo_mode(Executor& ex);
 bool surface_speed_on(Executor& ex);
 bool surface_speed_off(Executor& ex);
 bool select_unit(Executor& ex, bool inch);
@@ -172,6 +175,9 @@ constexpr Named kHandlers[] = {
     {"increment_limit", Phase::action, increment_limit},
     {"single_direction", Phase::action, single_direction},
     {"cylinder", Phase::action, cylinder},
+    {"polygon_on", Phase::action, polygon_on},
+    {"polygon_off", Phase::action, polygon_off},
+    {"servo_mode", Phase::action, servo_mode},
     {"polar_interpolation_on", Phase::action, polar_interpolation_on},
     {"polar_interpolation_off", Phase::setting, polar_interpolation_off},
     {"reference_check", Phase::action, reference_check},

@@ -34,7 +34,17 @@ void Executor::set_units(bool inch_now) {
   for (std::size_t i = 0; i < axes.size(); ++i) {
     ProgramAxis& axis = axes[i];
     axis.mm_per_unit = axis.diameter * (axis.rotary ? 1 : unit_mm);
+    const auto own_bit = [&](std::string_view bit) {  // one for each axis, or one for all
+      return !bit.empty() && data.bit(std::string(bit) + '/' + axis.name);
+    };
     axis.increment = axis.rotary ? increment : linear_increment;
+    if (own_bit(dialect.numbers.coarse_increment_parameter))
+      axis.increment = kNano / (inch_now && !axis.rotary ? 1000 : 100);
+    if (own_bit(dialect.numbers.fine_increment_parameter))
+      axis.increment = kNano / (inch_now && !axis.rotary ? 100'000 : 10'000);
+    axis.word_unit = axis.increment;
+    if (data.bit(dialect.modes.tenfold_unit_parameter)) axis.word_unit *= 10;
+    if (own_bit(dialect.modes.axis_decimal_parameter)) axis.word_unit = kNano;
     set_axis_machine(i, machine_now[i]);
   }
 }
@@ -135,7 +145,7 @@ bool Executor::take_targets(std::uint32_t& moved) {
     const program::Word& word = block.word[letter];
     const auto index = static_cast<std::size_t>(axis_of[letter]);
     ProgramAxis& axis = axes[index];
-    std::int64_t value = nano(word, axis.increment);
+    std::int64_t value = axis_value(word, axis);
     if (dialect.numbers.rounding == dialects::Rounding::truncate) value -= value % axis.increment;
     if (transform.active())
       value = round_to(value, axis.increment);  // the position itself is not rounded then
@@ -150,6 +160,9 @@ bool Executor::take_targets(std::uint32_t& moved) {
                    std::string(1, static_cast<char>('A' + letter)));
     }
     axis.position = by ? axis.position + value : axis.rolls_over ? rolled(axis, value) : value;
+    if (axis.position > most || axis.position < -most)
+      return alarm(AlarmReason::position_overflow, word.column,
+                   std::string(1, static_cast<char>('A' + letter)));
     moved |= 1u << index;
   }
   return true;

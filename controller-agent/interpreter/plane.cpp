@@ -90,6 +90,10 @@ void Executor::take_parameters() {
   update_zeros();
   linear_rapid = data.bit(dialect.linear_rapid_parameter);
   auxiliary_letter = second_auxiliary();
+  absent_codes.clear();
+  for (const auto& option : rules.options) {
+    if (data.bit(option.absent_parameter)) absent_codes.push_back({option.first, option.last});
+  }
   one_digit_feed = data.bit(rules.one_digit_feed.enable);
 }
 

@@ -9,7 +9,6 @@ namespace headstock::interp::handlers {
 namespace {
 
 double reference_point(const Executor& ex, std::size_t axis, std::int64_t which) {
-  if (which == 1) return ex.machine.axes[axis].reference_mm;
   const std::string parameter = std::to_string(1239 + which) + '/' + ex.axes[axis].name;
   return ex.page_to_slide(
       axis, ex.data.parameter(parameter, ex.machine.axes[axis].reference_mm / ex.axes[axis].diameter));

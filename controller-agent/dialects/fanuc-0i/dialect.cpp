@@ -20,7 +20,14 @@ constexpr ParameterRange kAxisParameters[] = {
     {3620, 3627}, {5401, 5401}, {5421, 5421}, {5440, 5440}, {6287, 6287}, {7310, 7310}};
 constexpr ParameterRange kSpindleParameters[] = {{3700, 4999}};
 
+constexpr Option kOptions[] = {
+    {"8136#0", 520, 520}, {"8136#0", 540, 590}, {"8136#1", 921, 921}, {"8136#1", 503, 503}, {"8136#2", 541, 541}};
+
 void set_common_modes(ModeRules& modes) {
+  modes.options = kOptions;
+  modes.tenfold_unit_parameter = "1004#7";
+  modes.axis_decimal_parameter = "3455#0";
+  modes.flow_codes_alone = true;
   modes.compensation_group = 7;
   modes.unit_group = 6;
   modes.work_group = 14;
@@ -153,7 +160,10 @@ Dialect make_common() {
                    {R::helix_axes, "PS0232"},
                    {R::arc_foreign_axis, "PS0028"},
                    {R::too_many_axes, "PS0015"},
-                   {R::spindle_number, "PS5305"}});
+                   {R::spindle_number, "PS5305"},
+                   {R::m_combination, "PS5016"},
+                   {R::position_overflow, "PS1160"},
+                   {R::arc_increments, "PS5064"}});
   d.m_rules = usual_m_rules();
   d.m_rules.push_back({6, MAction::machine});
   d.m_rules.push_back({29, MAction::unavailable});   // rigid tapping needs its cycle
@@ -202,6 +212,14 @@ Dialect make_fanuc_0i_t() {
   d.set_alarm_code(R::polar_axis, "PS0145");
   d.set_alarm_code(R::polar_code, "PS0146");
   d.set_alarm_code(R::look_ahead_format, "PS0109");
+  d.set_alarm_code(R::polygon_again, "PS0217");
+  d.set_alarm_code(R::polygon_words, "PS0218");
+  d.set_alarm_code(R::polygon_alone, "PS0219");
+  d.set_alarm_code(R::polygon_axis, "PS0314");
+  d.modes.polygon_axis_parameter = "7610";
+  d.modes.system_b_parameter = "3401#6";
+  d.modes.system_c_parameter = "3401#7";
+  d.modes.fine_feed_per_minute_parameter = "1404#2";
   d.set_alarm_code(R::thread_lead_change, "PS0313");
   add_g_codes(d, tables::gcodes_fanuc_0i_t);
   d.incremental_letters[0] = true;  // U W V H (8.1)
@@ -245,6 +263,7 @@ Dialect make_fanuc_0i_m() {
   d.set_alarm_code(R::arc_negative_r, "PS0010");  // a T alarm: negative R is legal here
   d.kind = machine::Kind::mill;
   d.modes.stroke_group = 4;
+  d.modes.fine_feed_per_revolution_parameter = "1405#1";
   d.threads.q_parameter = "3451#0";
   d.modes.gear_speeds = {"3741", "3742", "3743"};
   d.modes.gears_by_machine_parameter = "3706#4";
