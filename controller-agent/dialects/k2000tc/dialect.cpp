@@ -1,9 +1,21 @@
 // K2000TCi. Numbers it does not print are those of the FANUC scheme it follows.
 #include "dialects/build.hpp"
+#include "dialects/k2000tc/language.hpp"
 #include "program/block.hpp"
 #include "tables/gcodes_k2000tc.hpp"
 
 namespace headstock::dialects {
+namespace k2000tc {
+namespace {
+
+constexpr OwnHandler kOwn[] = {{"macro_call", Phase::setting, macro_call}};
+
+std::unique_ptr<interp::OwnLanguage> make_language(Executor& ex) {
+  return std::make_unique<Language>(ex);
+}
+
+}  // namespace
+}  // namespace k2000tc
 
 Dialect make_k2000tc() {
   using program::letters;
@@ -45,11 +57,12 @@ Dialect make_k2000tc() {
                                 {R::sequence_not_found, "PS0128"},
                                 {R::nesting, "PS0077"},
                                 {R::call_count, "PS0078"}});
-  add_g_codes(d, tables::gcodes_k2000tc);
+  add_g_codes(d, tables::gcodes_k2000tc, k2000tc::kOwn);
+  d.make_own = k2000tc::make_language;
   d.incremental_letters[0] = true;
   d.m_rules = usual_m_rules();
-  for (const std::int32_t macro : {91, 92, 93, 94, 96, 97})
-    d.m_rules.push_back({macro, MAction::unavailable});
+  for (const std::int32_t own : {6, 91, 92, 93, 94}) d.m_rules.push_back({own, MAction::own});
+  for (const std::int32_t macro : {96, 97}) d.m_rules.push_back({macro, MAction::unavailable});
   d.numbers.decimal_parameter = "P2500.3";  // PODI
   d.numbers.rounding = Rounding::truncate;  // L7160
   d.numbers.most_digits = 17;               // only the digits left after cutting count
