@@ -14,6 +14,7 @@ namespace headstock::interp {
 
 struct Executor;
 struct Frame;
+struct Motion;
 
 class OwnLanguage {
  public:
@@ -45,6 +46,8 @@ class OwnLanguage {
   }
   /// A block of words, read and not yet carried out.
   virtual Taken take_block(Executor&) { return Taken::plain; }
+  /// A motion has its end: the last word on it.
+  virtual void moved(Executor&, Motion&) {}
   /// The text of `frame` is over. @return false after an alarm.
   virtual bool end_of_text(Executor&, Frame&) { return true; }
   /// The block's S word. `done`: it was not a speed.

@@ -53,13 +53,19 @@ Point3 SpaceCurve::at(double turned) const {
 }
 
 double SpaceCurve::chord(double turned, double tolerance) const {
-  // r·δ²/8 is the height of the chord. The radius must be that of the outer end; a first guess finds it.
-  const auto step = [tolerance](double radius) {
-    return std::sqrt(8 * tolerance / std::max(radius, tolerance));
+  // The height of a chord is at most |second derivative|·δ²/8; in polar coordinates that derivative is
+  // (r″ − r, 2r′), which near the pole is all growth and no radius.
+  const auto bend = [this](double at_angle) {
+    const double radius = radius_at(at_angle);
+    if (angle <= 0) return radius;
+    const double rate = logarithmic ? std::log(radius_to / radius_from) / angle : 0;
+    const double first = logarithmic ? rate * radius : (radius_to - radius_from) / angle;
+    return std::hypot(rate * rate * radius - radius, 2 * first);
   };
+  const auto step = [tolerance](double size) { return std::sqrt(8 * tolerance / std::max(size, tolerance)); };
   constexpr double kMost = std::numbers::pi / 16;
-  const double guess = std::min(step(radius_at(turned)), kMost);
-  return std::min(step(std::max(radius_at(turned), radius_at(std::min(turned + guess, angle)))), kMost);
+  const double guess = std::min(step(bend(turned)), kMost);
+  return std::min(step(std::max(bend(turned), bend(std::min(turned + guess, angle)))), kMost);
 }
 
 CurveError three_point_arc(const Point3& start, const Point3& middle, const Point3& end, SpaceCurve& out) {

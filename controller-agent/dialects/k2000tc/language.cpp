@@ -68,8 +68,22 @@ void Language::start(Executor& ex) {
   options_.zero_is_null = bit("P4100.1", 0);
   other_brackets_ = !bit("P4100.5", 1);
   ex.lex_rules.expressions = &reader_;
+  ex.lex_rules.named_letters = program::letters("XYZUVWABCIJKQRFEDHLP");
+  ex.lex_rules.comma_letters = bit("P2500.2", 0) ? ex.lex_rules.named_letters : 0;  // CENCW (L9319)
   levels_.clear();
   write_open_ = false;
+  leave_modes(ex);
+  // P0412 of a rotary axis: 1 A, endless; 2 B, one turn, as written; 3 C, one turn, the shorter way; 4 D, as
+  // C from -180 to 180 (L1100).
+  ex.any_rolls_over = false;
+  for (auto& axis : ex.axes) {
+    const int type = axis.rotary ? static_cast<int>(data.parameter(std::string("P0412/") + axis.name, 1)) : 0;
+    axis.rolls_over = type >= 2 && type <= 4;
+    axis.as_written = type == 2;
+    axis.centered = type == 4;
+    axis.turn = 360 * program::kNano;
+    ex.any_rolls_over = ex.any_rolls_over || axis.rolls_over;
+  }
 
   const auto codes = [&data](int first, int count, int program, std::map<std::int64_t, std::uint32_t>& into) {
     into.clear();
@@ -84,14 +98,40 @@ void Language::start(Executor& ex) {
   codes(4'250, 10, 9'450, user_t_);
 }
 
-void Language::reset(Executor&) {
+// What a reset, and the start of a program, puts back (L3640, L4180, L6120, L7376).
+void Language::leave_modes(Executor& ex) {
+  curve.reset();
+  hypothetical = 0;
+  thread.on = false;
+  fast_feed = -1;
+  for (std::size_t i = 0; i < ex.axes.size(); ++i) {
+    auto& axis = ex.axes[i];
+    if (axis.page_diameter == 0) continue;
+    axis.diameter = axis.page_diameter;
+    axis.page_diameter = 0;
+    ex.set_units(ex.modal.inch);
+  }
+  if (ex.roles_given) {
+    ex.roles_given = false;
+    ex.select_plane(ex.plane);
+  }
+}
+
+void Language::reset(Executor& ex) {
+  leave_modes(ex);
+  if (ex.data.bit("P0500.6")) {  // CLRG52
+    for (auto& axis : ex.axes) axis.zero_local = 0;
+    ex.update_zeros();
+  }
   levels_.clear();
   write_open_ = false;
 }
 
 interp::OwnLanguage::Taken Language::before_block(Executor& ex, Frame&) {
   while (levels_.size() > ex.frames.size()) levels_.pop_back();
-  return Taken::plain;
+  if (curve == nullptr) return Taken::plain;
+  if (!curve->next(ex)) curve.reset();
+  return Taken::done;
 }
 
 bool Language::call_macro(Executor& ex, std::int64_t number, std::int64_t times,
@@ -157,6 +197,7 @@ bool macro_call(Executor& ex) {
 interp::OwnLanguage::Taken Language::take_block(Executor& ex) {
   program::Block& b = ex.block;
   if (b.m_count != 0) last_m = b.m[0].tenths / 10;
+  if (!check_words(ex)) return Taken::done;
   const auto find = [](const std::map<std::int64_t, std::uint32_t>& codes,
                        std::int64_t code) -> std::int64_t {
     const auto found = codes.find(code);
@@ -189,6 +230,48 @@ interp::OwnLanguage::Taken Language::take_block(Executor& ex) {
   std::array<Value, k2000::kLocals> locals;
   if (take_arguments(ex, locals)) call_macro(ex, program, times, locals, column);
   return Taken::done;
+}
+
+// Words that would be silently lost, and codes that a mode refuses.
+bool Language::check_words(Executor& ex) {
+  const program::Block& b = ex.block;
+  constexpr std::int32_t kDwell = 40, kFastMove = 1'530;
+  constexpr std::int32_t kMachineCodes[] = {270, 280, 290, 300, 530, 1'530};
+  bool keeps_fast_feed = false, spiral = false;
+  for (std::size_t i = 0; i < b.g_count; ++i) {
+    const std::int32_t code = b.g[i].tenths;
+    keeps_fast_feed = keeps_fast_feed || code == kDwell || code == kFastMove;
+    for (const std::int32_t machine_code : kMachineCodes) {
+      if (code == machine_code && (hypothetical != 0 || thread.on))
+        return raise(ex, "PS0049", b.g[i].column, std::string("G") + std::to_string(code / 10));
+    }
+  }
+  if (!keeps_fast_feed && fast_feed >= 0) fast_feed = -1;
+  if (ex.data.bit("P2500.4")) {  // POD: a point in every length (L7227)
+    const std::uint32_t bare = b.words & ~b.pointed & (ex.axis_letters | program::letters("IJKR"));
+    for (std::uint32_t mask = bare; mask != 0; mask &= mask - 1) {
+      const auto letter = static_cast<char>('A' + std::countr_zero(mask));
+      if (!b[letter].point)
+        return ex.alarm(AlarmReason::decimal_point, b[letter].column, std::string(1, letter));
+    }
+  }
+  if (b.marked == 0) return true;
+  const std::int32_t motion = ex.motion_code == nullptr ? 0 : ex.motion_code->tenths;
+  std::int32_t in_force = motion;
+  for (std::size_t i = 0; i < b.g_count; ++i) {
+    const std::int32_t code = b.g[i].tenths;
+    for (const std::int32_t curve_code : {23, 25, 33, 35, 2'030, 2'050, 3'030, 3'050}) {
+      if (code == curve_code) in_force = code;
+    }
+  }
+  spiral = in_force % 10 == 3 || in_force % 10 == 5 || in_force >= 2'030;
+  const std::uint32_t normals = program::letters("XYZIJK");
+  const std::uint32_t known = program::letters("ABCEFPR") | (spiral ? normals : 0u);
+  if (const std::uint32_t lost = b.marked & ~known; lost != 0) {
+    const auto letter = static_cast<char>('A' + std::countr_zero(lost));
+    return raise(ex, "PS0009", b.marked_at(letter).column, std::string("N") + letter);
+  }
+  return true;
 }
 
 bool Language::m_code(Executor& ex, const program::Code& code) {

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "dialects/k2000tc/curves.hpp"
 #include "interpreter/executor.hpp"
 #include "macro/k2000-language/expression.hpp"
 #include "program/lexer.hpp"
@@ -23,6 +25,15 @@ using k2000::Value;
 /// An argument of CALL: one value, or those of an array.
 using Argument = std::vector<Value>;
 
+/// G07.2: a rotary axis that follows a linear one.
+struct SpindleThread {
+  bool on = false;
+  std::size_t linear = 0, spindle = 0;
+  double lead_mm = 0;     ///< at the start of the next block; 0: the spindle stands still
+  bool reversed = false;  ///< NP1
+  double turns(double way, double distance, double lead_end) const;
+};
+
 class Language final : public interp::OwnLanguage, public k2000::Variables {
  public:
   explicit Language(Executor& ex) : ex_(ex), reader_(*this) {}
@@ -36,6 +47,7 @@ class Language final : public interp::OwnLanguage, public k2000::Variables {
   Taken statement(Executor& ex, std::string_view text, std::uint32_t column) override;
   bool end_of_text(Executor& ex, Frame& frame) override;
   bool m_code(Executor& ex, const program::Code& code) override;
+  void moved(Executor& ex, interp::Motion& motion) override;
 
   k2000::Error read(std::uint32_t number, Value& value) override;
   k2000::Error write(std::uint32_t number, const Value& value) override;
@@ -49,6 +61,18 @@ class Language final : public interp::OwnLanguage, public k2000::Variables {
   bool raise(Executor& ex, std::string_view code, std::uint32_t column, std::string detail);
 
   std::int32_t last_m = 0;  ///< #4112
+
+  // ---- curves and modes
+  std::unique_ptr<RunningCurve> curve;  ///< being cut into chords
+  interp::Point3 normal{};              ///< NI NJ NK
+  std::uint32_t hypothetical = 0;       ///< G07: axes that only exist in the program …
+  interp::AxisVector frozen{};          ///< … and where their slides stand
+  SpindleThread thread;
+  double fast_feed = -1;  ///< NF of G153; < 0: none
+  /// Indices of Xp, Yp, Zp, kNoAxis where the machine has none. @return false when there are less than two.
+  bool cartesian_axes(const Executor& ex, std::uint8_t (&axes)[3]) const;
+  void set_diameter(Executor& ex, std::size_t axis, bool diameter);
+  void cancel_tool_offset(Executor& ex);
 
  private:
   // Works out `#1` and `[…]` behind an address while the block is read.
@@ -102,6 +126,8 @@ class Language final : public interp::OwnLanguage, public k2000::Variables {
   bool do_call(Statement& s);
   bool do_params(Statement& s);
   bool message_text(Statement& s, std::string& text);
+  void leave_modes(Executor& ex);
+  bool check_words(Executor& ex);
   bool jump(Executor& ex, std::int64_t target, std::uint32_t column);
   Taken skip_block(Executor& ex, Frame& frame);
   bool write_out(Executor& ex, std::string text);

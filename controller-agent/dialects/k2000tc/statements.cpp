@@ -59,6 +59,33 @@ const char* block_end(const char* at, const char* end) {
   return at;
 }
 
+// CT AD AC DC (L5690): acceleration of the move. The machine's own limits stay in force, so they are read and
+// left.
+std::size_t acceleration_word(std::string_view text, std::size_t from) {
+  for (std::size_t i = from; i + 2 < text.size(); ++i) {
+    const char a = upper(text[i]), b = upper(text[i + 1]);
+    const bool pair =
+        (a == 'C' && b == 'T') || (a == 'A' && (b == 'D' || b == 'C')) || (a == 'D' && b == 'C');
+    const bool number = is_digit(text[i + 2]) || text[i + 2] == '.';
+    const bool word = i == 0 || upper(text[i - 1]) < 'A' || upper(text[i - 1]) > 'Z';
+    if (pair && number && word) return i;
+  }
+  return std::string_view::npos;
+}
+
+bool has_acceleration_words(std::string_view text) {
+  return acceleration_word(text, 0) != std::string_view::npos &&
+         text.find_first_of("\"(") == std::string_view::npos;
+}
+
+void blank_acceleration_words(std::string& text) {
+  for (std::size_t i = acceleration_word(text, 0); i != std::string_view::npos;
+       i = acceleration_word(text, i)) {
+    text[i] = text[i + 1] = ' ';
+    for (i += 2; i < text.size() && (is_digit(text[i]) || text[i] == '.'); ++i) text[i] = ' ';
+  }
+}
+
 }  // namespace
 
 bool Language::raise(Executor& ex, std::string_view code, std::uint32_t column, std::string detail) {
@@ -406,9 +433,10 @@ interp::OwnLanguage::Taken Language::skip_block(Executor& ex, Frame& frame) {
 interp::OwnLanguage::Taken Language::take_text(Executor& ex, Frame& frame) {
   Level& here = level(ex);
   const bool new_line = frame.rest == frame.line.text.data() && frame.rest != here.text.data();
-  if (other_brackets_ && new_line) {
+  if (new_line && (other_brackets_ || has_acceleration_words(frame.line.text))) {
     here.text.assign(frame.line.text);
-    k2000::rewrite(here.text);
+    if (other_brackets_) k2000::rewrite(here.text);
+    blank_acceleration_words(here.text);
     frame.line.text = here.text;
     frame.rest = here.text.data();
   }
