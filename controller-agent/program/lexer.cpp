@@ -20,7 +20,8 @@ enum class Kind : std::uint8_t {
   point,
   hash,
   bracket,
-  colon
+  colon,
+  comma
 };
 
 constexpr std::array<Kind, 256> kKind = [] {
@@ -41,6 +42,7 @@ constexpr std::array<Kind, 256> kKind = [] {
   kinds['#'] = Kind::hash;
   kinds['['] = Kind::bracket;
   kinds[':'] = Kind::colon;
+  kinds[','] = Kind::comma;
   return kinds;
 }();
 
@@ -72,12 +74,21 @@ class Scanner {
       const char c = *at_;
       switch (kind_of(c)) {
         case Kind::letter:
-          if (is_statement()) return statement();
+          if (is_statement()) {
+            if (!is_named_word()) return statement();
+            if (!read_marked_word()) return failed();
+            at_head = false;
+            break;
+          }
           if (!read_word(static_cast<char>(c & ~0x20))) return failed();
           if ((c & ~0x20) != 'N') at_head = false;
           break;
         case Kind::colon:
           if (!read_word('O')) return failed();
+          break;
+        case Kind::comma:
+          if (!read_marked_word()) return failed();
+          at_head = false;
           break;
         case Kind::open:
           skip_comment();
@@ -139,6 +150,14 @@ class Scanner {
 
   // Two letters together never are a word of plain G code.
   bool is_statement() const { return at_ + 1 < end_ && kind_of(at_[1]) == Kind::letter; }
+
+  // `NC` `NR` `NA`: another way to write `,C` `,R` `,A`. A third letter makes it a statement after all.
+  bool is_named_word() const {
+    const auto first = static_cast<char>(*at_ & ~0x20);
+    const auto second = static_cast<char>(at_[1] & ~0x20);
+    if (first != 'N' || (rules_.named_letters & letter_bit(second)) == 0) return false;
+    return at_ + 2 == end_ || kind_of(at_[2]) != Kind::letter;
+  }
 
   LexResult statement() {
     LexResult result;
@@ -270,6 +289,23 @@ class Scanner {
     else
       out_.negative &= ~bit;
     out_.word[letter_index(letter)] = word;
+    return true;
+  }
+
+  // `,C` `NC`: words of their own beside C. `at_` is at the mark.
+  bool read_marked_word() {
+    const char* comma = at_++;
+    while (at_ < end_ && kind_of(*at_) == Kind::blank) ++at_;
+    if (at_ == end_ || kind_of(*at_) != Kind::letter) return fail(LexError::illegal_character, comma);
+    const auto letter = static_cast<char>(*at_ & ~0x20);
+    if ((rules_.comma_letters & letter_bit(letter)) == 0) return fail(LexError::illegal_character, comma);
+    const char* where = at_++;
+    Number number;
+    if (!read_number(where, number)) return false;
+    if (number.absent) return true;
+    number.word.column = column(comma);
+    out_.marked |= letter_bit(letter);
+    out_.marked_word[letter_index(letter)] = number.word;
     return true;
   }
 

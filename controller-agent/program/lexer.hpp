@@ -35,6 +35,8 @@ class ExpressionReader {
 struct LexRules {
   bool semicolon_is_comment = false;  ///< `;` starts a comment (field files) instead of ending the block
   std::uint8_t most_digits = 9;       ///< in one word, leading zeros counted; at most 17
+  std::uint32_t comma_letters = 0;    ///< letters that may stand behind a comma (`,C` `,R` `,A`)
+  std::uint32_t named_letters = 0;    ///< letters that N may mark in the same way (`NC` `NR` `NA`)
   ExpressionReader* expressions = nullptr;
 };
 
