@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "dialects/alarm_reason.hpp"
+#include "dialects/mode_rules.hpp"
 #include "interpreter/own_language.hpp"
 #include "machine/machine.hpp"
 
@@ -118,6 +119,8 @@ struct ArcRules {
   std::string_view tolerance_parameter = {};
   bool negative_r = true;
   bool r_and_center_is_alarm = false;
+  bool feed_on_arc = false;  ///< F of a helix counts along the arc, not along the path
+  std::string_view feed_on_path_parameter = {};  ///< bit: along the path after all
   bool closed_by_r_is_alarm = false;  ///< start = end with R: an alarm instead of no motion
 };
 
@@ -163,6 +166,7 @@ struct Dialect {
   ThreadRules threads;
   CallRules calls;
   ToolRules tools;
+  ModeRules modes;
   Repeated repeated_words = Repeated::last_wins;
   std::string_view repeated_alarm_parameter;  ///< bit: alarm after all
   std::uint32_t may_repeat = 0;               ///< letters that may repeat in spite of `alarm`
