@@ -70,7 +70,7 @@ bool Executor::arc(Turn turn) {
              second = static_cast<std::size_t>(in_plane.second);
   if (axes[first].increment != axes[second].increment && axes[first].rotary == axes[second].rotary)
     return alarm(AlarmReason::arc_increments, code_column, std::string{axes[first].name, axes[second].name});
-  if (transform.rotated && (transform.first != first || transform.second != second))
+  if (transform.spatial || (transform.rotated && (transform.first != first || transform.second != second)))
     return alarm(AlarmReason::rotation_plane, code_column, std::string{names.first, names.second});
   if (one_digit_rapid) return alarm(AlarmReason::arc_in_rapid, code_column, "F0");
 

@@ -36,7 +36,7 @@ void Executor::clear_modes() {
     // The unit and stored stroke check 2 are not touched.
     keep = kept_groups(*this) | bit_of(rules.unit_group) | bit_of(rules.stroke_group);
     const auto back = [keep](std::uint8_t group) { return group == 0 || (keep & bit_of(group)) == 0; };
-    if (back(rules.rotation_group)) transform.rotated = false;
+    if (back(rules.rotation_group)) transform.rotated = transform.spatial = false;
     if (back(rules.scaling_group)) transform.scaled = 0;
     if (back(rules.mirror_group)) transform.mirrored = 0;
     polar.on = polar.on && !back(rules.polar_group);

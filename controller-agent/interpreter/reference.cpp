@@ -9,9 +9,14 @@ namespace headstock::interp::handlers {
 namespace {
 
 double reference_point(const Executor& ex, std::size_t axis, std::int64_t which) {
-  const std::string parameter = std::to_string(1239 + which) + '/' + ex.axes[axis].name;
-  return ex.page_to_slide(
-      axis, ex.data.parameter(parameter, ex.machine.axes[axis].reference_mm / ex.axes[axis].diameter));
+  const auto& rules = ex.dialect.modes;
+  std::string parameter(which == 1 ? rules.first_reference_parameter
+                                   : rules.reference_parameters[static_cast<std::size_t>(which - 2)]);
+  parameter += '/';
+  parameter += ex.axes[axis].name;
+  const auto set = ex.data.parameters.find(parameter);
+  return set == ex.data.parameters.end() ? ex.machine.axes[axis].reference_mm
+                                         : ex.page_to_slide(axis, set->second);
 }
 
 // Rapid to the block's point, which is kept per axis for G29.
@@ -77,7 +82,8 @@ bool reference_return_n(Executor& ex) {
     which = ex.whole('P', AlarmReason::reference_number);
     if (which < 0) return false;
   }
-  if (which < 2 || which > 4) {
+  if (which < 2 || which > 4 ||
+      ex.dialect.modes.reference_parameters[static_cast<std::size_t>(which - 2)].empty()) {
     return ex.alarm(AlarmReason::reference_number, ex.block['P'].column, "P" + std::to_string(which));
   }
   return to_reference(ex, which);

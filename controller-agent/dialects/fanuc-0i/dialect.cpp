@@ -40,6 +40,7 @@ void set_common_modes(ModeRules& modes) {
   modes.roll_over_by_sign_parameter = "1008#1";
   modes.turn_parameter = "1260";
   modes.most_axes_at_once = 4;
+  modes.first_reference_parameter = "1240";
   modes.imaginary_circle_parameter = "1408#0";
   modes.imaginary_radius_parameter = "1465";
   modes.skip_signals = {"6202", "6203", "6204", "6205", "6206"};
