@@ -15,7 +15,7 @@ mkdirSync(out, { recursive: true });
 const pages = {
   floor: "#/floor", wall: "#/floor?wall=1", "machine-lathe": "#/machines/1", "machine-mill": "#/machines/2", "machine-unknown": "#/machines/9",
   programs: "#/programs?folder=%2Fshafts", "program-text": "#/programs/1", "program-revisions": "#/programs/1?tab=revisions",
-  "program-diff": "#/programs/1?tab=diff", "program-check": "#/programs/1?tab=check", "program-mill-check": "#/programs/2?tab=check", "program-send": "#/programs/1?tab=send", alarms: "#/alarms", users: "#/users", account: "#/account",
+  "program-diff": "#/programs/1?tab=diff", "program-check": "#/programs/1?tab=check", "program-mill-check": "#/programs/2?tab=check", "program-send": "#/programs/1?tab=send", alarms: "#/alarms", times: "#/times?period=7d", "times-machine": "#/times/3?period=7d", users: "#/users", account: "#/account",
 };
 const shop = option("url") ? { url: option("url"), user: option("user"), password: option("password"), stop: () => {} } : await startMock({ machines: 12, dist });
 const crowd = option("url") ? null : await startMock({ machines: 60, dist });
