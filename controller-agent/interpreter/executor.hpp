@@ -24,6 +24,7 @@
 #include "interpreter/own_language.hpp"
 #include "interpreter/polar_command.hpp"
 #include "interpreter/skip.hpp"
+#include "interpreter/tool_life.hpp"
 #include "interpreter/transform.hpp"
 #include "machine/machine.hpp"
 #include "program/block.hpp"
@@ -177,6 +178,8 @@ struct Executor {
   bool take_one_digit_feed(int digit);
   bool take_spindle();
   bool take_tool();
+  int offset_digits() const;            ///< of the T word
+  std::int64_t offset_split() const;  ///< the offset number is the T word modulo this
   void emit_spindle();
   bool apply_tool_offset(std::int64_t geometry, std::int64_t wear, std::uint32_t column);
 
@@ -240,6 +243,7 @@ struct Executor {
   PolarCommand polar;
   SkipState skip;
   DataInputMode data_input;
+  ToolLife life;
   bool any_rolls_over = false;
   bool one_digit_rapid = false;  ///< F0 of one-digit feed: cutting moves run at the rapid rate
   AxisVector increment_limit{};  ///< G91.1, programming units; 0: none

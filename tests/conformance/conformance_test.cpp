@@ -271,11 +271,16 @@ TEST_P(Conformance, AsTheManualSays) {
 
   NamedPrograms programs(one);
   interp::Interpreter interpreter(*dialect, machine, data, &programs);
+  const std::string show = " " + setting("show") + " ";
+  std::vector<Seen> seen;
+  if (show.find(" data ") != show.npos) {
+    interpreter.on_data_change([&seen](const interp::DataChange& change) {
+      seen.push_back({"data", change.what, {{"before", change.before}, {"after", change.after}}});
+    });
+  }
   interpreter.set_switches(switches);
   interpreter.start(program::source_from_text(one.program), position(setting("start"), machine));
 
-  const std::string show = " " + setting("show") + " ";
-  std::vector<Seen> seen;
   interp::Operation operation;
   while (seen.size() < 1'000 && interpreter.next(operation) == interp::Pull::operation) {
     Seen next = describe(operation, machine);
