@@ -58,6 +58,9 @@ export interface OeeRow {
   states: Partial<Record<MachineState, number>>; reasons: { reason: number; s: number }[];
   parts: number; rejects: number; ideal_s: number; parts_without_ideal: number;
 }
+export interface Shift { name: string; days: number[]; start: string; end: string }
+export interface Calendar { time_zone: string; shifts: Shift[] }
+export interface AlarmFigure { code: string; text: Localised; count: number; active_s: number; machines: number; last: string }
 export interface DowntimeReason { id: number; name: Localised; planned: boolean }
 export interface Stop {
   from: string; to: string; state: MachineState; open: boolean;

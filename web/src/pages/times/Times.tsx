@@ -1,6 +1,6 @@
 // What the machines did with the shop's time: one row a machine, its states as a bar, the four figures; and for one
 // machine what was counted for them, the days, and its stops with their reasons.
-import { useMemo } from "react";
+import { useMemo, useState } from "react";
 import { useTranslation } from "react-i18next";
 import { list, query } from "../../api/client";
 import type { Machine, OeeRow } from "../../api/types";
@@ -8,8 +8,10 @@ import { hours } from "../../format/time";
 import { percent, unknownText } from "../../format/number";
 import { useLoad } from "../../live/hooks";
 import { address, swap, useRoute } from "../../shell/router";
-import { ErrorNote, Panel, Tabs } from "../../ui/parts";
+import { useMay } from "../../shell/session";
+import { Button, ErrorNote, Panel, Tabs } from "../../ui/parts";
 import { Counted } from "./Counted";
+import { ShiftsDialog } from "./Shifts";
 import { StateBar, StateLegend } from "./StateBar";
 import { Stops } from "./Stops";
 
@@ -39,6 +41,8 @@ export function Times() {
   const { value: machines } = useLoad((signal) => list<Machine>("/machines", signal), []);
   const { value: rows, error, reload } = useLoad((signal) => list<OeeRow>(`/oee${query(span)}`, signal), [span]);
   const { value: pieces, reload: reloadPieces } = useLoad(async (signal) => chosen === null ? null : list<OeeRow>(`/oee${query({ ...span, machine: chosen, by: group })}`, signal), [span, chosen, group]);
+  const setter = useMay("setter");
+  const [settings, setSettings] = useState(false);
   const names = new Map((machines ?? []).map((machine) => [machine.id, machine.name]));
   const to = (machine: number | null, change: Record<string, string | null> = {}) =>
     address(machine === null ? ["times"] : ["times", machine], { period, by: route.search.get("by"), ...change });
@@ -48,7 +52,9 @@ export function Times() {
     <div className="page" data-page="times">
       <div className="page-bar"><h1>{t("nav.times")}</h1>
         <Tabs label={t("times.period")} value={period} onChange={(value) => swap(to(chosen, { period: value }))}
-          options={periods.map((value) => ({ value, text: t(`times.${value}`) }))} /></div>
+          options={periods.map((value) => ({ value, text: t(`times.${value}`) }))} />
+        {setter && <Button icon="edit" data-action="shifts" onClick={() => setSettings(true)}>{t("times.settings")}</Button>}</div>
+      {settings && <ShiftsDialog onClose={() => setSettings(false)} onChanged={() => { reload(); reloadPieces(); }} />}
       <ErrorNote error={error} />
       <Panel className="flush">
         <table className="table times">
