@@ -187,7 +187,8 @@ struct Dnc::Impl : std::enable_shared_from_this<Impl> {
                     const std::shared_ptr<std::string>& text) {
     Unit& at = unit(port);
     const bool empty = report.bytes == 0;
-    if (!at.job && !at.starting && !empty) begin_receiving(at, "control");
+    // A punch that came while a request was being looked through is kept as well.
+    if (!at.job && !empty && (!at.starting || report.over())) begin_receiving(at, "control");
     if (!at.job) return;
     auto& row = at.job->row;
     if (row.id != 0 && row.kind != "receive") return;

@@ -23,7 +23,8 @@ LineThread::LineThread() : work_(io_.get_executor()), thread_([this] { io_.run()
 
 LineThread::~LineThread() {
   work_.reset();
-  io_.stop();
+  // What was posted before runs first: lines are closed on their own thread.
+  asio::post(io_, [this] { io_.stop(); });
   thread_.join();
 }
 
@@ -122,7 +123,17 @@ struct PortLine::Impl : std::enable_shared_from_this<Impl> {
     });
   }
 
+  void send_failed(const std::string& reason, const std::string& text) {
+    serial::SendReport report;
+    report.state = serial::Sender::State::failed;
+    report.reason = reason;
+    report.text = text;
+    back([report](PortEvents& to) { to.sending(report); });
+  }
+
   void send(std::shared_ptr<std::unique_ptr<serial::Source>> source) {
+    // A listening port may have begun to take a punch.
+    if (line && line->busy()) return send_failed("busy", "");
     with_line(
         [this, source] {
           line->send(serial::send_rules(settings.link), std::move(*source),
@@ -131,13 +142,7 @@ struct PortLine::Impl : std::enable_shared_from_this<Impl> {
                        if (report.over()) rest();
                      });
         },
-        [this](const std::string& reason, const std::string& text) {
-          serial::SendReport report;
-          report.state = serial::Sender::State::failed;
-          report.reason = reason;
-          report.text = text;
-          back([report](PortEvents& to) { to.sending(report); });
-        });
+        [this](const std::string& reason, const std::string& text) { send_failed(reason, text); });
   }
 
   void receive(std::string first) {

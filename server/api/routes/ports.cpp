@@ -23,6 +23,13 @@ using access::Action;
 json maybe_id(std::int64_t id) { return id == 0 ? json(nullptr) : json(id); }
 json maybe_text(const std::string& text) { return text.empty() ? json(nullptr) : json(text); }
 
+/// A member that may be left out.
+bool flag(const Call& call, const char* name) {
+  if (!call.body.contains(name)) return false;
+  if (!call.body[name].is_boolean()) throw Refused("bad_request", name);
+  return call.body[name].get<bool>();
+}
+
 json shape(const db::PortTransferRow& row) {
   return {{"id", row.id}, {"port", row.port}, {"kind", row.kind}, {"state", row.state},
           {"program", maybe_id(row.program)}, {"revision", maybe_id(row.revision)}, {"name", row.name},
@@ -148,8 +155,8 @@ std::vector<Route> sending(Services& s) {
                       wish.revision = call.body_number("revision");
                       if (call.body.contains("from_line")) wish.from_line = call.body_number("from_line");
                       wish.header = call.body_text("header", "");
-                      wish.drip = call.body.value("drip", false);
-                      wish.queue = call.body.value("queue", false);
+                      wish.drip = flag(call, "drip");
+                      wish.queue = flag(call, "queue");
                       const auto id = call.id("id");
                       const auto row = co_await s.dnc.send(actor_of(call), id, wish);
                       co_return json_reply(shape(row), 201);
