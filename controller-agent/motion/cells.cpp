@@ -13,11 +13,13 @@ constexpr double kJerkUnlimited = 1e9;
 // Shares of the limits. The rest of the acceleration brakes in a curve taken at its highest speed; the small
 // margins pay for derivatives that change within one period.
 constexpr double kVelocity = 0.9995, kAcceleration = 0.99, kJerk = 0.96;
-constexpr double kBendShare = 0.97;      // of the acceleration for curvature at the highest speed
-constexpr double kTwistShare = 0.6;      // of the jerk for twist at the highest speed
-constexpr double kSmoothingShare = 1.0;  // smoothing time over (acceleration / jerk)
-constexpr double kWindowMargin = 0.5;    // periods; a period may begin in one cell and end in another
-constexpr double kMostBendParts = 4, kBlur = 0.1;  // of a bend; share of its reach worth telling apart
+constexpr double kBendShare = 0.985;  // of the acceleration for curvature at the highest speed
+constexpr double kTwistShare = 0.6;   // of the jerk for twist at the highest speed
+// Smoothing time: twice acceleration / jerk lets a straight line use its whole acceleration, once of it blurs
+// half as much. The longer one pays as long as it is short beside the waves of a path.
+constexpr double kLongSmoothing_s = 0.010;
+constexpr double kWindowMargin = 0.3;  // periods; a period may begin in one cell and end in another
+constexpr double kMostBendParts = 8, kBlur = 0.05;  // of a bend; share of its reach worth telling apart
 constexpr std::size_t kMostSmoothing = 1024;
 
 }  // namespace
@@ -34,9 +36,15 @@ CellMaker::CellMaker(const machine::Machine& machine) : period_s_(machine.period
     fastest = std::hypot(fastest, std::max(axis.max_feed_mm_min, axis.rapid_mm_min) / 60);
   }
   smoothing_periods_ = std::clamp<std::size_t>(
-      static_cast<std::size_t>(std::lround(kSmoothingShare * longest / period_s_)), 1, kMostSmoothing);
+      static_cast<std::size_t>(
+          std::lround(std::max(longest, std::min(2 * longest, kLongSmoothing_s)) / period_s_)),
+      1, kMostSmoothing);
   smoothing_s_ = static_cast<double>(smoothing_periods_) * period_s_;
-  window_s_ = smoothing_s_ + kWindowMargin * period_s_;
+  // The average lies in the middle of what it averages: no value of a window is farther from it than half a
+  // window at the highest speed there.
+  window_s_ =
+      (0.5 * (static_cast<double>(smoothing_periods_) - 1) + (smoothing_periods_ > 1 ? 1 : kWindowMargin)) *
+      period_s_;
   longest_reach_ = fastest * window_s_;
 }
 

@@ -7,8 +7,8 @@
 //     rate v <= V      bend v² + rate |a| <= A      twist v³ + 3 bend v |a| + rate |j| <= J.
 // The moving average of `smoothing_s` makes |j| <= 2 max|a| / smoothing_s, which turns the third into a limit
 // on a. Because averaged values mix what happened within that time, each cell's limits are also laid on
-// everything within its own highest speed times that time, before and behind ("spreading"): whoever is
-// farther away cannot get here within the window without having gone faster than allowed there.
+// everything within its own highest speed times half that time, before and behind ("spreading"): a window
+// whose average lies here and that reaches farther would have gone faster than allowed near here.
 #pragma once
 
 #include <algorithm>

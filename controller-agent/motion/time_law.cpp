@@ -8,7 +8,8 @@ namespace headstock::motion {
 namespace {
 
 constexpr double kArrived = 1e-9;  // mm
-constexpr int kMostCells = 256;    // looked at in one period
+constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr std::uint64_t kMostCells = 256;  // looked at in one period
 
 /// Weights of the speed plans for a ratio of the reference feed: linear in v², where the limits are linear
 /// too.
@@ -81,6 +82,37 @@ double TimeLaw::reachable(double ratio, double most) const {
   return 0;
 }
 
+TimeLaw::Braking TimeLaw::braking_until(double length, double speed) const {
+  const std::uint64_t end = cells_.published();
+  Braking found{std::numeric_limits<double>::infinity(), leading_};
+  for (std::uint64_t k = cell_; k < end && k - cell_ < kMostCells; ++k) {
+    found.least = std::min(found.least, cells_[k].braking_up_to(speed * speed));
+    found.until = std::min(length, cells_[k].end);
+    if (cells_[k].end >= length || cells_[k].stop) break;
+  }
+  return found;
+}
+
+bool TimeLaw::can_stop_at(double length) const {
+  const std::uint64_t end = cells_.published();
+  if (cell_ >= end || cells_[end - 1].end < length || length < leading_) return false;
+  if (speed_ == 0) return true;
+  const Braking braking = braking_until(length, speed_);
+  return speed_ * speed_ <= 2 * braking.least * (braking.until - leading_);
+}
+
+double TimeLaw::towards_stop(double length, double step) const {
+  // Each of the two is safe: going faster with the braking that is left then, or not going faster. The second
+  // always leaves room for the next period's, because speed² <= 2 * braking * way holds after either.
+  double best = 0;
+  for (const double most : {speed_ + step, speed_}) {
+    const Braking braking = braking_until(length, most);
+    const double bt = braking.least * period_s_, way = std::max(0.0, braking.until - leading_);
+    best = std::max(best, std::min(most, std::sqrt(bt * bt + 2 * braking.least * way) - bt));
+  }
+  return best;
+}
+
 void TimeLaw::advance(const Demand& demand) {
   const double t = period_s_;
   const std::uint64_t end = cells_.published();
@@ -97,11 +129,16 @@ void TimeLaw::advance(const Demand& demand) {
                           std::max(0.0, speed_ - brake), speed_ + step);
     } else {
       wanted = demand.ratio <= 0 ? 0 : reachable(demand.ratio, speed_ + step);
+      if (demand.stop_at < kFar) wanted = std::min(wanted, towards_stop(demand.stop_at, step));
       wanted = std::max(wanted, speed_ - brake);
     }
     speed = std::max(0.0, std::min(hard, wanted));
   }
   double leading = leading_ + speed * t;
+  if (!demand.follow && std::abs(leading - demand.stop_at) <= kArrived) {
+    leading = demand.stop_at;
+    speed = 0;
+  }
   while (cell_ < end) {
     const Cell& cell = cells_[cell_];
     const bool last = cell.stop || cell_ + 1 == end;

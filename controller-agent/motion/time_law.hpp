@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "motion/cells.hpp"
@@ -20,6 +21,8 @@ struct Demand {
   bool follow = false;      ///< thread: be at `target`, moving at `target_speed`, instead
   double target = 0;        ///< length [mm]
   double target_speed = 0;  ///< mm/s
+  /// Come to rest at this length; can_stop_at() said that it is possible.
+  double stop_at = std::numeric_limits<double>::infinity();
 };
 
 class TimeLaw {
@@ -39,12 +42,22 @@ class TimeLaw {
   double braking_at(double speed) const;
   /// How much the moving average lags behind [s].
   double lag_s() const { return 0.5 * static_cast<double>(window_.size() - 1) * period_s_; }
+  /// Can the law come to rest at this length, ahead and published, from its speed now?
+  bool can_stop_at(double length) const;
   /// At rest at an exact stop with more path behind it: go on from there.
   bool pass_stop();
 
  private:
   /// Highest speed, at most `most`, that the plan mixed for `ratio` allows at the end of this period.
   double reachable(double ratio, double most) const;
+  /// Braking allowed at every speed up to `speed` all the way to `until`: `length`, or as far as one period
+  /// looks.
+  struct Braking {
+    double least, until;
+  };
+  Braking braking_until(double length, double speed) const;
+  /// Highest speed, at most speed_ + `step`, from which the law still comes to rest at `length`.
+  double towards_stop(double length, double step) const;
 
   const Ring<Cell>& cells_;
   double period_s_;
