@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "cycles/handlers.hpp"
 #include "dialects/build.hpp"
 #include "interpreter/handlers.hpp"
 
@@ -94,6 +95,11 @@ void add_g_codes(Dialect& dialect, std::span<const GRow> rows, std::span<const O
       code.phase = common->phase;
       code.handler = common->handler;
       found = true;
+    }
+    if (const auto* cycle = cycles::find(row[5]); !found && cycle != nullptr) {
+      code.phase = cycle->phase;
+      code.handler = cycle->handler;
+      code.cycle = found = true;
     }
     if (!found) broken_table(dialect, row[5]);
     for (std::size_t system = 0; system < 3; ++system) {

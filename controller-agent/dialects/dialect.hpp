@@ -40,6 +40,7 @@ struct GCode {
   Handler handler = nullptr;
   std::string_view name;  ///< "G54.1", static storage: also what cycles are named by
   bool power_on = false;  ///< in force after power-on
+  bool cycle = false;     ///< a canned cycle: letters like U and W are words of its own
 };
 
 /// The G codes of one G-code system, found by number without searching.

@@ -107,6 +107,7 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   frames.push_back(std::move(frame));
   queue.clear();
   queue_head = 0;
+  cycle.clear();
   finished = false;
   jumps = 0;
   at = {};
@@ -130,6 +131,15 @@ Pull Executor::next(Operation& wanted) {
       return Pull::operation;
     }
     if (finished) return Pull::finished;
+    if (cycle.running != nullptr) {
+      if (!cycle.running->next(*this)) {
+        cycle.running.reset();
+        cycle.name = nullptr;
+        if (!finished) run_deferred();
+      }
+      if (out_used) return Pull::operation;
+      continue;
+    }
     const Step result = step();
     if (finished) frames.clear();  // the program is left: files are closed, a drip-feed is told
     if (out_used) return Pull::operation;
@@ -141,6 +151,7 @@ void Executor::reset(const AxisVector& machine_position) {
   frames.clear();
   queue.clear();
   queue_head = 0;
+  cycle.clear();
   finished = true;
   if (dialect.reset_clears || data.bit(dialect.reset_clears_parameter)) power_on();
   spindle_direction = SpindleDirection::stop;
@@ -162,11 +173,15 @@ AxisVector Executor::to_work(const AxisVector& machine_position, const ModalSnap
 }
 
 bool Executor::alarm(AlarmReason reason, std::uint32_t column, std::string detail) {
+  return alarm_code(dialect.alarm_code(reason), column, std::move(detail));
+}
+
+bool Executor::alarm_code(std::string_view number, std::uint32_t column, std::string detail) {
   if (finished) return false;
   auto& raised = emit<Alarm>();
   raised.at = at;
   raised.at.column = column;
-  raised.code = dialect.alarm_code(reason);
+  raised.code = number;
   raised.detail = std::move(detail);
   finished = true;
   return false;

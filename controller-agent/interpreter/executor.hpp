@@ -17,6 +17,7 @@
 
 #include "dialects/dialect.hpp"
 #include "interpreter/canonical.hpp"
+#include "interpreter/cycle_state.hpp"
 #include "interpreter/data_input.hpp"
 #include "interpreter/interpreter.hpp"
 #include "interpreter/machine_data.hpp"
@@ -195,6 +196,10 @@ struct Executor {
   /// Raises the controller's alarm; the program is over. Always returns false.
   bool alarm(AlarmReason reason, std::uint32_t column, std::string detail = {});
   bool alarm(AlarmReason reason, const program::Code& code, char letter);
+  /// The same with the number itself: for subjects that keep their numbers in tables of their own.
+  bool alarm_code(std::string_view number, std::uint32_t column, std::string detail);
+  /// M codes and the end of a block whose cycle is over.
+  bool run_deferred();
   void report_change(std::string what, double before, double after);
 
   // ---- fixed
@@ -246,6 +251,8 @@ struct Executor {
   SpindleDirection spindle_direction = SpindleDirection::stop;
   int length_sign = 0;             ///< G43: +1, G44: -1, G49: 0
   std::int64_t length_offset = 0;  ///< H number in force
+
+  CycleState cycle;
 
   // ---- the block being carried out
   program::Block block;

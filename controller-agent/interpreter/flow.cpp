@@ -112,6 +112,13 @@ Executor::Step Executor::step() {
   }
   const bool empty = (block.words | block.g_count | block.m_count) == 0;
   if (!empty || block.has_sequence) frame.at_start = false;
+  if (cycle.watch != nullptr) {  // a block of a profile
+    const bool has_sequence = block.has_sequence;
+    const std::uint32_t sequence = block.sequence;
+    if (!empty && (!cycle.watch->admit(*this) || !execute())) return Step::done;
+    if (!finished) cycle.watch->done(*this, has_sequence, sequence);
+    return Step::done;
+  }
   if (!empty) execute();
   return Step::done;
 }

@@ -194,6 +194,7 @@ void Executor::fill_motion(Motion& motion, std::uint32_t moved) {
   motion.end_work = work_now;
   motion.end_machine = machine_now;
   motion.axes = moved;
+  motion.cycle = cycle.name;
   motion.exact_stop = exact_stop_once || exact_stop_mode;
   motion.cutting_mode = cutting_mode;
   if (any_rolls_over) {
