@@ -283,9 +283,13 @@ struct Kernel::Impl {
         if (!move.block_end || move.length_end <= single.passed || move.length_end < law.leading_length())
           continue;
         if (move.kind == FeedKind::thread && moves[k + 1].kind == FeedKind::thread) continue;
-        if (!law.can_stop_at(move.length_end)) continue;
-        single.chosen = true;
-        single.at = move.length_end;
+        const TimeLaw::StopPlan plan_there = law.plan_stop(move.length_end);
+        if (plan_there == TimeLaw::StopPlan::possible) {
+          single.chosen = true;
+          single.at = move.length_end;
+        } else if (plan_there == TimeLaw::StopPlan::impossible) {
+          single.passed = move.length_end;  // too near; the next one in the next period
+        }
         break;
       }
     }
