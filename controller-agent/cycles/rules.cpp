@@ -78,6 +78,9 @@ Rules fanuc_t() {
   r.return_by_allowance = true;
   r.one_block_form = true;
   r.one_block_parameter = "0001#1";
+  r.tip_angles = kTips;
+  r.holes = HoleFamily::turning;
+  r.r_from_initial = true;
   r.angle_word = true;
   return r;
 }
@@ -123,6 +126,7 @@ Rules gsk_2000tc() {
                   .peck_clearance = {},
                   .peck_back = {}};
   r.check = Check::by_k_word;
+  r.rigid_tap_parameter = "S213.0";
   r.level_cut_at_start = false;
   r.must_follow = true;
   r.least_passes = 2;
@@ -174,6 +178,7 @@ Rules gsk_218t() {
   r.parameters.finish_allowance = "P080";
   r.parameters.runout = "P068";
   r.check = Check::always;
+  r.rigid_tap_parameter = {};
   r.level_cut_at_start = true;
   r.least_passes = 1;
   r.most_blocks = 30;
@@ -231,6 +236,8 @@ Rules k2000tc() {
   r.shapes = Shapes::pockets;
   r.check = Check::unless_parameter;
   r.check_off_parameter = "P3301.5";
+  r.holes = HoleFamily::k2000;
+  r.r_as_axis = true;
   r.contour_pass = false;  // L13389: the contour has been followed on the way
   r.contour_out_parameter = "P3301.7";
   r.angle_word = true;
@@ -254,6 +261,8 @@ Rules lathe_200t() {
 Rules fanuc_m() {
   Rules r = fanuc_t();
   r.profile = "fanuc-0i-m";
+  r.holes = HoleFamily::mill;
+  r.r_from_initial = false;
   return r;
 }
 

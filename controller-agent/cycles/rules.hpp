@@ -76,6 +76,8 @@ enum class Shapes : std::uint8_t {
   by_first_block,  ///< type II when the first block moves both axes
   pockets          ///< always
 };
+/// Whose hole cycles: the tables are in hole_cycles.cpp.
+enum class HoleFamily : std::uint8_t { none, mill, turning, k2000, lathe_200t };
 enum class Check : std::uint8_t { always, by_k_word, unless_parameter };
 
 struct Rules {
@@ -107,6 +109,12 @@ struct Rules {
   double depth_unit_mm = 0.001;              ///< of P and Q of G76 without a point; 0: as other lengths
   const std::int64_t* tip_angles = nullptr;  ///< allowed, ends with -1; nullptr: any up to 99
   bool infer_angle_60 = false;               ///< another angle counts as 60 (200T)
+
+  // ---- holes
+  HoleFamily holes = HoleFamily::none;
+  bool r_from_initial = false;           ///< R is always a distance from the initial level
+  bool r_as_axis = false;                ///< R counts as words of the drilling axis do (diameter)
+  std::string_view rigid_tap_parameter;  ///< bit: G84 of the 2000TC is rigid
 
   std::string_view code(Fault fault) const { return alarms[static_cast<std::size_t>(fault)]; }
 };

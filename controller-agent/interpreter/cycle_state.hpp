@@ -47,6 +47,8 @@ struct BoxWords {
 /// Words of the hole cycles: modal until G80 or a code of group 01.
 struct HoleWords {
   const dialects::GCode* code = nullptr;  ///< in force; nullptr: no hole cycle
+  bool entered = false;                   ///< the initial level is known
+  bool clamp = false;                     ///< the rotary axis is clamped for each hole
   std::size_t axis = 0;                   ///< drilling axis
   double initial = 0;                     ///< level where the mode was entered, slide mm from the work zero
   double bottom = 0, reference = 0;       ///< Z and R, resolved, slide mm
@@ -72,7 +74,9 @@ struct CycleState {
 
   BoxWords box;
   HoleWords hole;
+  const dialects::GCode* hole_ended = nullptr;  ///< the mode that this block's codes end
   LastThread last_thread;
+  std::int32_t clamp_m = 0;  ///< M code that clamps the rotary axis inside hole cycles, the next number frees it; 0: none
   bool rigid_next = false;  ///< M29 stands: the next tapping cycle is rigid
 
   /// Where the profile of the last roughing cycle stands, so that G70 finds the same one.
@@ -99,10 +103,18 @@ struct CycleState {
   }
 
   /// Which modal words a block's codes end.
-  void on_codes(const dialects::GCode* motion, const dialects::GCode* action) {
+  void on_codes(const dialects::GCode* motion, const dialects::GCode* action, const dialects::GCode* new_hole) {
     constexpr std::int16_t kDwell = 40;
     if (motion != nullptr && motion->handler != box.owner) box.owner = nullptr;
     if (action != nullptr && action->tenths != kDwell) box.owner = nullptr;
+    if (new_hole != nullptr) {
+      box.owner = nullptr;
+      if (hole.code == nullptr) hole = {};
+      hole.code = new_hole;
+    } else if (motion != nullptr && hole.code != nullptr) {
+      hole_ended = hole.code;
+      hole = {};
+    }
     if (box.owner == nullptr) box.given = 0;
   }
 };

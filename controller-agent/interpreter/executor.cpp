@@ -79,7 +79,7 @@ void Executor::power_on() {
   block.clear();
   const auto put_in_force = [this](const GCode& row) {
     if (row.group != 0) modal.g[row.group] = row.tenths;
-    if (row.phase == Phase::motion) motion_code = &row;
+    if (row.phase == Phase::motion) motion_code = &row;  // G80 is in force as a setting
     if (row.phase == Phase::setting && row.handler != nullptr) {
       code = &row;
       row.handler(*this);

@@ -13,6 +13,8 @@ constexpr MachineAlarm kWatch{"HS0002", "Spindle speed fluctuation is not superv
                               "本机不监控主轴速度波动"};
 constexpr MachineAlarm kAuxiliary{"HS0002", "Second auxiliary function is not wired on this machine",
                                   "本机没有连接第二辅助功能"};
+constexpr MachineAlarm kTap{"HS0002", "Synchronous tapping is not carried out by this motion control",
+                            "本运动控制不执行同步攻丝"};
 
 }  // namespace
 
@@ -25,6 +27,7 @@ std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation
   if (const auto* watch = std::get_if<interp::SpindleWatch>(&operation); watch != nullptr && watch->on)
     return kWatch;
   if (std::holds_alternative<interp::SecondAuxiliary>(operation)) return kAuxiliary;
+  if (std::holds_alternative<interp::Tap>(operation)) return kTap;
   return std::nullopt;
 }
 

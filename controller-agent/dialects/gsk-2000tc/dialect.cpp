@@ -50,7 +50,7 @@ Dialect make_gsk_2000tc() {
   for (bool& by_letter : d.incremental_letters) by_letter = true;
   d.m_rules = usual_m_rules();
   for (const std::int32_t after : {11, 13, 33}) d.m_rules.push_back({after, MAction::machine_after});  // L940
-  d.m_rules.push_back({29, MAction::unavailable});
+  d.m_rules.push_back({29, MAction::rigid_tapping});
   d.numbers.decimal = Decimal::pocket;  // all examples write millimetres without a point
   d.numbers.most_increments = 999'999'999;
   d.numbers.power_on_feed_mm_min = 300;  // P076
