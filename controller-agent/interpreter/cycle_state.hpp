@@ -41,6 +41,7 @@ struct BoxWords {
   std::uint32_t given = 0;                      ///< axes that have a target
   double taper = 0;                             ///< R, mm as programmed (radius, or along Z for G94)
   double runout_short = -1, runout_long = -1;   ///< J, K of threads [mm]; < 0: not given
+  double run_in = 0;                            ///< K of 200T threads [mm]
   std::int64_t starts = 1;                      ///< L
 };
 
@@ -77,6 +78,7 @@ struct CycleState {
   const dialects::GCode* hole_ended = nullptr;  ///< the mode that this block's codes end
   LastThread last_thread;
   std::int32_t clamp_m = 0;  ///< M code that clamps the rotary axis inside hole cycles, the next number frees it; 0: none
+  double runout_tenths = -1;  ///< r of G76, P of G92 where both share it (K2000TC), 0.1 lead; < 0: never given
   bool rigid_next = false;  ///< M29 stands: the next tapping cycle is rigid
 
   /// Where the profile of the last roughing cycle stands, so that G70 finds the same one.
