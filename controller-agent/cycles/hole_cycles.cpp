@@ -496,6 +496,7 @@ bool tapping(Executor& ex) {
   if (rigid && !(ex.rpm > 0)) return fail(ex, rules, Fault::rigid_speed, 'S');
   if (!rigid && ex.spindle_direction == SpindleDirection::stop) return fail(ex, rules, Fault::rigid_program, 'S', "spindle not turning");
   if (ex.spindle_direction == SpindleDirection::ccw) hole.kind = kTapLeft;
+  hole.pecks_from_retract = true;
   if (b.has('D')) hole.peck = std::fabs(ex.length_mm(b['D']));
   if (b.has('R')) hole.clearance = std::fabs(ex.length_mm(b['R']));
   if (hole.clearance == 0 || hole.peck >= std::fabs(hole.bottom - hole.reference)) hole.peck = 0;  // in one go

@@ -33,10 +33,12 @@ HoleMoves tap_in_step(Hole job) {
   const double depth = std::fabs(job.bottom - job.reference);
   HoleMove tap{.kind = Kind::tap, .seconds = job.dwell_s};
   tap.direction = job.kind.tap == HoleTap::left ? SpindleDirection::ccw : SpindleDirection::cw;
-  const auto pecks = job.peck > 0 ? static_cast<std::int64_t>(std::ceil(depth / job.peck - 1e-9)) : 1;
+  const double gain = job.pecks_from_retract ? job.peck - job.clearance : job.peck;
+  const auto pecks =
+      job.peck > 0 && depth > job.peck ? static_cast<std::int64_t>(std::ceil((depth - job.peck) / gain - 1e-9)) + 1 : 1;
   for (std::int64_t n = 1; n <= pecks; ++n) {
     const bool last = n == pecks;
-    tap.bottom = last ? job.bottom : job.reference + in * job.peck * static_cast<double>(n);
+    tap.bottom = last ? job.bottom : job.reference + in * (job.peck + gain * static_cast<double>(n - 1));
     tap.to = last || job.tap_pecks_out ? job.reference : tap.bottom - in * std::min(job.clearance, job.peck);
     co_yield tap;
   }

@@ -41,6 +41,7 @@ struct Hole {
   bool synchronous = false;
   bool follows = false;  ///< the axis follows the encoder of a free spindle
   double pitch_mm = 0;
+  bool pecks_from_retract = false;  ///< the next peck counts from where the tap came out to (200T)
   bool tap_pecks_out = false;  ///< pecks of a tap go back to R, otherwise by `clearance`
 };
 

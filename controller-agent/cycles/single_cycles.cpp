@@ -51,7 +51,7 @@ Point box_end(const Executor& ex, const PlaneAxes& axes) {
 
 // The start of the cut must not lie beyond the tool: |R| ≤ the infeed when their signs differ.
 bool check_taper(Executor& ex, const Rules& rules, double infeed, double taper) {
-  if (taper == 0 || (taper < 0) == (infeed < 0) || std::fabs(taper) <= std::fabs(infeed) + kTiny) return true;
+  if (taper == 0 || infeed == 0 || (taper < 0) == (infeed < 0) || std::fabs(taper) <= std::fabs(infeed) + kTiny) return true;
   return fail(ex, rules, Fault::taper, 'R');
 }
 
