@@ -1,5 +1,6 @@
-// `headstock plot`: a program's path as a picture (SVG): rapid moves dashed, cuts solid, threads and taps in colours of
-// their own. Lathes are drawn in the ZX plane with X as a radius, mills in XY unless told otherwise.
+// `headstock plot`: a program's path as a picture (SVG): rapid moves dashed, cuts solid, threads and taps in
+// colours of their own. Lathes are drawn in the ZX plane with X as a radius, mills in XY unless told
+// otherwise.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -117,13 +118,15 @@ std::string number(double value) {
 }
 
 std::string svg(const Picture& picture, double width, char across, char up) {
-  const double span = std::max({picture.high.across - picture.low.across, picture.high.up - picture.low.up, 1.0});
+  const double span =
+      std::max({picture.high.across - picture.low.across, picture.high.up - picture.low.up, 1.0});
   const double margin = 0.05 * span;
   const double scale = width / (picture.high.across - picture.low.across + 2 * margin);
   const double height = (picture.high.up - picture.low.up + 2 * margin) * scale;
   const auto x = [&](double v) { return number((v - picture.low.across + margin) * scale); };
   const auto y = [&](double v) { return number((picture.high.up + margin - v) * scale); };
-  std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(width) + ' ' + number(height) +
+  std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(width) + ' ' +
+                    number(height) +
                     "\" font-family=\"sans-serif\" font-size=\"12\">\n"
                     "<style>path{fill:none;stroke-width:1.2}.rapid{stroke:#9a9a9a;stroke-dasharray:5 3;"
                     "stroke-width:.8}.feed{stroke:#1f5fbf}.finish{stroke:#c02020;stroke-width:1.8}"
@@ -144,9 +147,10 @@ std::string svg(const Picture& picture, double width, char across, char up) {
     }
     out += "\"/>\n";
   }
-  out += "<text x=\"4\" y=\"14\">" + std::string(1, up) + "</text><text x=\"" + number(width - 14) + "\" y=\"" +
-         number(height - 5) + "\">" + std::string(1, across) + "</text>\n";
-  if (!picture.alarm.empty()) out += "<text x=\"20\" y=\"14\" style=\"fill:#c00\">" + picture.alarm + "</text>\n";
+  out += "<text x=\"4\" y=\"14\">" + std::string(1, up) + "</text><text x=\"" + number(width - 14) +
+         "\" y=\"" + number(height - 5) + "\">" + std::string(1, across) + "</text>\n";
+  if (!picture.alarm.empty())
+    out += "<text x=\"20\" y=\"14\" style=\"fill:#c00\">" + picture.alarm + "</text>\n";
   return out + "</svg>\n";
 }
 
@@ -179,7 +183,8 @@ int plot(const Request& request) {
     if (++moves > kMostMoves) return wrong("more than 2,000,000 operations: not a picture any more");
     pen.draw(operation);
   }
-  if (picture.strokes.empty()) return wrong("nothing moves" + (picture.alarm.empty() ? "" : ": alarm " + picture.alarm));
+  if (picture.strokes.empty())
+    return wrong("nothing moves" + (picture.alarm.empty() ? "" : ": alarm " + picture.alarm));
   const std::string text = svg(picture, request.width, plane[0], plane[1]);
   if (request.out.empty() || request.out == "-") {
     std::cout << text;
@@ -200,7 +205,8 @@ void add_plot(CLI::App& app, int& exit_status) {
   command->add_option("file", request->file, "Program, - for standard input")->required();
   command->add_option("-o,--out", request->out, "Picture, - for standard output (the default)");
   command->add_option("--plane", request->plane, "Axes across and up: ZX (lathes), XY (mills), XZ, YZ");
-  command->add_option("--width", request->width, "Width of the picture in pixels")->check(CLI::Range(100.0, 10'000.0));
+  command->add_option("--width", request->width, "Width of the picture in pixels")
+      ->check(CLI::Range(100.0, 10'000.0));
   command->callback([request, &exit_status] { exit_status = plot(*request); });
 }
 

@@ -20,8 +20,8 @@ struct HoleCode {
   std::int16_t tenths;
   const char* name;
   HoleKind kind;
-  char axis = 0;        ///< drilling axis where the code says so
-  bool rigid = false;   ///< always in step with the spindle
+  char axis = 0;       ///< drilling axis where the code says so
+  bool rigid = false;  ///< always in step with the spindle
 };
 
 using enum HoleIn;
@@ -40,28 +40,41 @@ constexpr HoleKind kManual{once, operator_out};
 constexpr HoleKind kTapRight{once, nothing, HoleOut::feed, HoleTap::right};
 constexpr HoleKind kTapLeft{once, nothing, HoleOut::feed, HoleTap::left};
 
-constexpr HoleCode kMill[] = {
-    {730, "G73", kPeckBack},        {740, "G74", kTapLeft},         {760, "G76", kFine},
-    {810, "G81", kDrill},           {820, "G82", kDwell},           {830, "G83", kPeckOut},
-    {840, "G84", kTapRight},        {842, "G84.2", kTapRight, 0, true}, {843, "G84.3", kTapLeft, 0, true},
-    {850, "G85", kFeedOut},         {860, "G86", kStop},            {870, "G87", kBack},
-    {880, "G88", kManual},          {890, "G89", kDwellFeedOut}};
+constexpr HoleCode kMill[] = {{730, "G73", kPeckBack},
+                              {740, "G74", kTapLeft},
+                              {760, "G76", kFine},
+                              {810, "G81", kDrill},
+                              {820, "G82", kDwell},
+                              {830, "G83", kPeckOut},
+                              {840, "G84", kTapRight},
+                              {842, "G84.2", kTapRight, 0, true},
+                              {843, "G84.3", kTapLeft, 0, true},
+                              {850, "G85", kFeedOut},
+                              {860, "G86", kStop},
+                              {870, "G87", kBack},
+                              {880, "G88", kManual},
+                              {890, "G89", kDwellFeedOut}};
 
 // 0i-T: face (Z) and side (X). Q makes G83/G87 peck; which way, a parameter says.
-constexpr HoleCode kTurning[] = {
-    {810, "G81", kDrill, 'Z'},        {820, "G82", kDwell, 'Z'},          {830, "G83", {pecks_out, dwell}, 'Z'},
-    {831, "G83.1", {pecks_back, dwell}, 'Z'}, {840, "G84", kTapRight, 'Z'}, {842, "G84.2", kTapRight, 'Z', true},
-    {850, "G85", kDwellFeedOut, 'Z'}, {870, "G87", {pecks_out, dwell}, 'X'}, {880, "G88", kTapRight, 'X'},
-    {890, "G89", kDwellFeedOut, 'X'}};
+constexpr HoleCode kTurning[] = {{810, "G81", kDrill, 'Z'},
+                                 {820, "G82", kDwell, 'Z'},
+                                 {830, "G83", {pecks_out, dwell}, 'Z'},
+                                 {831, "G83.1", {pecks_back, dwell}, 'Z'},
+                                 {840, "G84", kTapRight, 'Z'},
+                                 {842, "G84.2", kTapRight, 'Z', true},
+                                 {850, "G85", kDwellFeedOut, 'Z'},
+                                 {870, "G87", {pecks_out, dwell}, 'X'},
+                                 {880, "G88", kTapRight, 'X'},
+                                 {890, "G89", kDwellFeedOut, 'X'}};
 
 constexpr HoleCode kK2000[] = {
-    {810, "G81", kDrill},     {820, "G82", kDwell},     {830, "G83", kPeckOut},    {835, "G83.5", kPeckBack},
-    {840, "G84", kTapRight},  {845, "G84.5", kTapLeft}, {850, "G85", kFeedOut},    {860, "G86", kStop},
-    {865, "G86.5", kFine},    {870, "G87", kBack},      {880, "G88", kManual},     {890, "G89", kDwellFeedOut}};
+    {810, "G81", kDrill},    {820, "G82", kDwell},     {830, "G83", kPeckOut}, {835, "G83.5", kPeckBack},
+    {840, "G84", kTapRight}, {845, "G84.5", kTapLeft}, {850, "G85", kFeedOut}, {860, "G86", kStop},
+    {865, "G86.5", kFine},   {870, "G87", kBack},      {880, "G88", kManual},  {890, "G89", kDwellFeedOut}};
 
-constexpr HoleCode k200t[] = {
-    {730, "G73", kPeckBack, 'Z'},              {810, "G81", kDrill, 'Z'},   {820, "G82", kDwell, 'Z'},
-    {830, "G83", {pecks_out_feed}, 'Z'},       {850, "G85", kFeedOut, 'Z'}, {860, "G86", kStop, 'Z'}};
+constexpr HoleCode k200t[] = {{730, "G73", kPeckBack, 'Z'}, {810, "G81", kDrill, 'Z'},
+                              {820, "G82", kDwell, 'Z'},    {830, "G83", {pecks_out_feed}, 'Z'},
+                              {850, "G85", kFeedOut, 'Z'},  {860, "G86", kStop, 'Z'}};
 
 std::span<const HoleCode> codes_of(HoleFamily family) {
   switch (family) {
@@ -87,9 +100,15 @@ struct Target {
 
 class HoleRun final : public interp::MoveSource {
  public:
-  HoleRun(const Executor& ex, const Hole& hole, std::size_t axis, std::array<std::size_t, 2> plane, Target target,
-          std::int64_t times, std::int32_t clamp_m)
-      : hole_(hole), axis_(axis), plane_(plane), target_(target), left_(times), clamp_m_(clamp_m), feed_(ex.feed_mm),
+  HoleRun(const Executor& ex, const Hole& hole, std::size_t axis, std::array<std::size_t, 2> plane,
+          Target target, std::int64_t times, std::int32_t clamp_m)
+      : hole_(hole),
+        axis_(axis),
+        plane_(plane),
+        target_(target),
+        left_(times),
+        clamp_m_(clamp_m),
+        feed_(ex.feed_mm),
         unit_(ex.feed_unit) {}
 
   bool next(Executor& ex) override {
@@ -259,7 +278,8 @@ bool take_levels(Executor& ex, const Rules& rules, char name) {
   const program::Block& b = ex.block;
   const std::size_t axis = words.axis;
   const char step = rules.holes == HoleFamily::mill ? 0 : name == 'X' ? 'U' : name == 'Y' ? 'V' : 'W';
-  const bool by_letter = step != 0 && b.has(step) && (ex.incremental_letters & program::letter_bit(step)) != 0;
+  const bool by_letter =
+      step != 0 && b.has(step) && (ex.incremental_letters & program::letter_bit(step)) != 0;
   if (b.has('R')) {
     const bool from_initial = rules.r_from_initial || ex.incremental;
     const double r = rules.r_as_axis ? slide_word(ex, b['R'], axis) : ex.length_mm(b['R']);
@@ -280,7 +300,8 @@ bool take_levels(Executor& ex, const Rules& rules, char name) {
 bool take_counts(Executor& ex, const Rules& rules) {
   interp::HoleWords& words = ex.cycle.hole;
   const program::Block& b = ex.block;
-  if (b.has('Q')) words.peck = std::fabs(count_length(ex, b['Q'], rules.holes == HoleFamily::turning ? 0.001 : 0));
+  if (b.has('Q'))
+    words.peck = std::fabs(count_length(ex, b['Q'], rules.holes == HoleFamily::turning ? 0.001 : 0));
   if (b.has('P')) words.dwell_s = b['P'].value() / 1000;
   if (words.dwell_s < 0) return fail(ex, rules, Fault::value, 'P');
   if (rules.holes == HoleFamily::lathe_200t && b.has('K')) words.retract = std::fabs(ex.length_mm(b['K']));
@@ -299,7 +320,8 @@ std::int64_t repeats(Executor& ex, const Rules& rules) {
   const char used = b.has(letter) ? letter : rules.holes == HoleFamily::mill && b.has('L') ? 'L' : 0;
   if (used == 0) return 1;
   const double value = b[used].value();
-  if (value < 0 || value > 9'999 || value != std::floor(value)) return fail(ex, rules, Fault::hole_k, used), -1;
+  if (value < 0 || value > 9'999 || value != std::floor(value))
+    return fail(ex, rules, Fault::hole_k, used), -1;
   if (value == 0 && rules.holes != HoleFamily::k2000 && ex.data.bit("5105#4")) return 1;  // K0D
   return static_cast<std::int64_t>(value);
 }
@@ -325,8 +347,9 @@ bool prepare_tap(Executor& ex, const Rules& rules, const HoleCode& code, Hole& h
   const bool k2000 = rules.holes == HoleFamily::k2000;
   if (ex.cycle.rigid_next) words.rigid = true;
   ex.cycle.rigid_next = false;
-  hole.synchronous = code.rigid || words.rigid ||
-                     (k2000 ? ex.data.parameter("P2730") != 0 || ex.data.bit("P2700.3") : ex.data.bit("5200#0"));
+  hole.synchronous =
+      code.rigid || words.rigid ||
+      (k2000 ? ex.data.parameter("P2730") != 0 || ex.data.bit("P2700.3") : ex.data.bit("5200#0"));
   hole.stop_before_reversal = k2000 || !ex.data.bit("5105#3");
   if (!hole.synchronous) return true;
   const program::Block& b = ex.block;
@@ -360,7 +383,8 @@ bool hole_cycle(Executor& ex) {
   const auto codes = codes_of(rules.holes);
   const auto code = std::find_if(codes.begin(), codes.end(),
                                  [&](const HoleCode& one) { return one.tenths == ex.code->tenths; });
-  if (code == codes.end()) return ex.alarm(dialects::AlarmReason::g_unavailable, ex.code_column, std::string(ex.code->name));
+  if (code == codes.end())
+    return ex.alarm(dialects::AlarmReason::g_unavailable, ex.code_column, std::string(ex.code->name));
 
   const char name = drilling_axis(ex, rules, *code);
   const auto axis = ex.axis_named(name);
@@ -387,7 +411,8 @@ bool hole_cycle(Executor& ex) {
     const bool by = ex.incremental || (ex.incremental_letters >> letter & 1u) != 0;
     target.axes |= 1u << i;
     if (by) target.incremental |= 1u << i;
-    target.step[i] = static_cast<double>(ex.round_to(ex.nano(b.word[letter], ex.axes[i].increment), ex.axes[i].increment));
+    target.step[i] =
+        static_cast<double>(ex.round_to(ex.nano(b.word[letter], ex.axes[i].increment), ex.axes[i].increment));
   }
   const std::int64_t times = repeats(ex, rules);
   if (times < 0) return false;
@@ -416,14 +441,16 @@ bool hole_cycle(Executor& ex) {
   hole.turning = ex.spindle_direction == SpindleDirection::stop ? SpindleDirection::cw : ex.spindle_direction;
   const bool pecking = hole.kind.in == HoleIn::pecks_back || hole.kind.in == HoleIn::pecks_out ||
                        hole.kind.in == HoleIn::pecks_out_feed;
-  if (pecking && hole.peck <= 0 && rules.holes != HoleFamily::turning) return fail(ex, rules, Fault::hole_peck, 'Q');
+  if (pecking && hole.peck <= 0 && rules.holes != HoleFamily::turning)
+    return fail(ex, rules, Fault::hole_peck, 'Q');
   if (rules.holes == HoleFamily::turning && code->tenths != 831 && pecking && !ex.data.bit("5101#2")) {
     hole.kind.in = HoleIn::pecks_back;  // RTR = 0: high-speed pecking
   }
   const bool back = hole.kind.in == HoleIn::pecks_back;
-  hole.clearance = rules.holes == HoleFamily::lathe_200t
-                       ? words.retract
-                       : ex.data.parameter(back ? rules.parameters.peck_back : rules.parameters.peck_clearance);
+  hole.clearance =
+      rules.holes == HoleFamily::lathe_200t
+          ? words.retract
+          : ex.data.parameter(back ? rules.parameters.peck_back : rules.parameters.peck_clearance);
   if (hole.kind.bottom == HoleBottom::orient_shift) {
     if (hole.kind.in != HoleIn::up && rules.holes == HoleFamily::k2000 && words.peck <= 0)
       return fail(ex, rules, Fault::hole_peck, 'Q');
@@ -437,8 +464,8 @@ bool hole_cycle(Executor& ex) {
   if (hole.kind.in == HoleIn::up ? same_way : false) return fail(ex, rules, Fault::hole_depth, name);
   if (hole.kind.tap != HoleTap::none && !prepare_tap(ex, rules, *code, hole)) return false;
   if (!(hole.synchronous && rules.holes == HoleFamily::k2000) && !check_feed(ex)) return false;
-  // A position that is given step by step and drilled at once must not drill where the tool stands when the block only
-  // gave levels: it does, as the controls do; a block without any hole data never comes here.
+  // A position that is given step by step and drilled at once must not drill where the tool stands when the
+  // block only gave levels: it does, as the controls do; a block without any hole data never comes here.
   (void)before;
   ex.cycle.name = code->name;
   ex.cycle.starts_cycle = true;
@@ -494,16 +521,22 @@ bool tapping(Executor& ex) {
   const bool rigid = ex.cycle.rigid_next || ex.data.bit(rules.rigid_tap_parameter);
   hole.follows = !rigid;
   if (rigid && !(ex.rpm > 0)) return fail(ex, rules, Fault::rigid_speed, 'S');
-  if (!rigid && ex.spindle_direction == SpindleDirection::stop) return fail(ex, rules, Fault::rigid_program, 'S', "spindle not turning");
+  if (!rigid && ex.spindle_direction == SpindleDirection::stop)
+    return fail(ex, rules, Fault::rigid_program, 'S', "spindle not turning");
   if (ex.spindle_direction == SpindleDirection::ccw) hole.kind = kTapLeft;
   hole.pecks_from_retract = true;
   if (b.has('D')) hole.peck = std::fabs(ex.length_mm(b['D']));
   if (b.has('R')) hole.clearance = std::fabs(ex.length_mm(b['R']));
-  if (hole.clearance == 0 || hole.peck >= std::fabs(hole.bottom - hole.reference)) hole.peck = 0;  // in one go
+  if (hole.clearance == 0 || hole.peck >= std::fabs(hole.bottom - hole.reference))
+    hole.peck = 0;  // in one go
   if (hole.peck > 0 && hole.clearance >= hole.peck) return fail(ex, rules, Fault::value, 'D');
-  ex.cycle.name = ex.code->tenths == 330 ? "G33" : ex.code->tenths == 930 ? "G93" : name == 'X' ? "G88" : "G84";
+  ex.cycle.name = ex.code->tenths == 330   ? "G33"
+                  : ex.code->tenths == 930 ? "G93"
+                  : name == 'X'            ? "G88"
+                                           : "G84";
   ex.cycle.starts_cycle = true;
-  ex.cycle.running = std::make_unique<HoleRun>(ex, hole, *axis, std::array<std::size_t, 2>{*axis, *axis}, Target{}, 1, 0);
+  ex.cycle.running =
+      std::make_unique<HoleRun>(ex, hole, *axis, std::array<std::size_t, 2>{*axis, *axis}, Target{}, 1, 0);
   return true;
 }
 

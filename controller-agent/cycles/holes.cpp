@@ -34,8 +34,9 @@ HoleMoves tap_in_step(Hole job) {
   HoleMove tap{.kind = Kind::tap, .seconds = job.dwell_s};
   tap.direction = job.kind.tap == HoleTap::left ? SpindleDirection::ccw : SpindleDirection::cw;
   const double gain = job.pecks_from_retract ? job.peck - job.clearance : job.peck;
-  const auto pecks =
-      job.peck > 0 && depth > job.peck ? static_cast<std::int64_t>(std::ceil((depth - job.peck) / gain - 1e-9)) + 1 : 1;
+  const auto pecks = job.peck > 0 && depth > job.peck
+                         ? static_cast<std::int64_t>(std::ceil((depth - job.peck) / gain - 1e-9)) + 1
+                         : 1;
   for (std::int64_t n = 1; n <= pecks; ++n) {
     const bool last = n == pecks;
     tap.bottom = last ? job.bottom : job.reference + in * (job.peck + gain * static_cast<double>(n - 1));
@@ -126,7 +127,8 @@ HoleMoves cut_and_leave(Hole job) {
     co_yield along(Kind::rapid, job.initial);
   }
   if (job.kind.bottom == HoleBottom::orient_shift) co_yield shift(0, 0);
-  const bool stopped = job.kind.bottom == HoleBottom::spindle_stop || job.kind.bottom == HoleBottom::orient_shift ||
+  const bool stopped = job.kind.bottom == HoleBottom::spindle_stop ||
+                       job.kind.bottom == HoleBottom::orient_shift ||
                        job.kind.bottom == HoleBottom::operator_out;
   if (stopped) co_yield spindle(job.turning);
 }

@@ -71,8 +71,12 @@ Moves pecking(Pecking job) {
   // p: along the pecks, q: across.
   const auto p_of = [&](Point at) { return job.across_first ? at.v : at.u; };
   const auto q_of = [&](Point at) { return job.across_first ? at.u : at.v; };
-  const auto to_p = [&](MoveKind kind, double p) { return job.across_first ? move_v(kind, p) : move_u(kind, p); };
-  const auto to_q = [&](MoveKind kind, double q) { return job.across_first ? move_u(kind, q) : move_v(kind, q); };
+  const auto to_p = [&](MoveKind kind, double p) {
+    return job.across_first ? move_v(kind, p) : move_u(kind, p);
+  };
+  const auto to_q = [&](MoveKind kind, double q) {
+    return job.across_first ? move_u(kind, q) : move_v(kind, q);
+  };
   const double p0 = p_of(job.start), p1 = p_of(job.end);
   const double q0 = q_of(job.start), q1 = q_of(job.end);
   const double depth = std::fabs(p1 - p0), width = std::fabs(q1 - q0);

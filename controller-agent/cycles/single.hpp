@@ -16,17 +16,18 @@ struct Box {
 /// 4 moves: rapid to the start of the cut, cut, out at feed, rapid back.
 Moves box_cut(Box job);
 
-/// How a thread ends before its end point: the tool leaves over `length` along the long axis and `height` across.
+/// How a thread ends before its end point: the tool leaves over `length` along the long axis and `height`
+/// across.
 struct Runout {
   double length = 0, height = 0;  ///< mm, ≥ 0; length 0: none
 };
 
 struct ThreadPass {
-  Point start;             ///< where the tool stands and comes back to
-  Point end;               ///< root at the end
-  double taper = 0;        ///< radius at the start minus radius at the end
-  double lead_mm = 0;      ///< along the longer axis
-  double angle_deg = 0;    ///< spindle angle of the first start
+  Point start;              ///< where the tool stands and comes back to
+  Point end;                ///< root at the end
+  double taper = 0;         ///< radius at the start minus radius at the end
+  double lead_mm = 0;       ///< along the longer axis
+  double angle_deg = 0;     ///< spindle angle of the first start
   std::int64_t starts = 1;  ///< ≥ 1: the pass is made once for each, evenly around the spindle
   Runout runout;
   double shift = 0;   ///< the thread begins this much further along than the start point (flank infeed)
@@ -38,11 +39,11 @@ Moves thread_pass(ThreadPass job);
 
 struct Pecking {
   Point start, end;
-  double step = 0;     ///< across, > 0 when start and end differ across
-  double peck = 0;     ///< along the pecks; 0: in one go
-  double back = 0;     ///< e: retract after a peck
-  double relief = 0;   ///< Δd: away at the bottom, before the way out
-  double relief_sign = 0;    ///< direction of the relief where nothing steps; 0: toward plus
+  double step = 0;            ///< across, > 0 when start and end differ across
+  double peck = 0;            ///< along the pecks; 0: in one go
+  double back = 0;            ///< e: retract after a peck
+  double relief = 0;          ///< Δd: away at the bottom, before the way out
+  double relief_sign = 0;     ///< direction of the relief where nothing steps; 0: toward plus
   bool across_first = false;  ///< G75: pecks along the second axis
   bool full_retract = false;  ///< back to the start point after every peck (K2000TC G74S)
 };

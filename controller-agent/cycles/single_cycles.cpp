@@ -13,7 +13,8 @@ namespace {
 
 using interp::Executor;
 
-// Takes X Z R of the block into the modal words of the cycle. Words stay until another cycle or code ends them.
+// Takes X Z R of the block into the modal words of the cycle. Words stay until another cycle or code ends
+// them.
 bool take_box_words(Executor& ex, const Rules& rules, const PlaneAxes& axes) {
   interp::BoxWords& words = ex.cycle.box;
   const program::Block& b = ex.block;
@@ -33,7 +34,8 @@ bool take_box_words(Executor& ex, const Rules& rules, const PlaneAxes& axes) {
     const bool step = (ex.incremental_letters >> letter & 1u) != 0 || ex.incremental;
     const double word = slide_word(ex, b.word[letter], axis);
     // 200T: a repetition without the code counts its increments from the last cut's end (E24).
-    const bool from_last = rules.steps_from_last_end && repeats && !same_code_written && (words.given >> axis & 1u) != 0;
+    const bool from_last =
+        rules.steps_from_last_end && repeats && !same_code_written && (words.given >> axis & 1u) != 0;
     words.end[axis] = step ? word + (from_last ? words.end[axis] : ex.slide_mm(axis)) : word;
     words.given |= 1u << axis;
   }
@@ -51,7 +53,9 @@ Point box_end(const Executor& ex, const PlaneAxes& axes) {
 
 // The start of the cut must not lie beyond the tool: |R| ≤ the infeed when their signs differ.
 bool check_taper(Executor& ex, const Rules& rules, double infeed, double taper) {
-  if (taper == 0 || infeed == 0 || (taper < 0) == (infeed < 0) || std::fabs(taper) <= std::fabs(infeed) + kTiny) return true;
+  if (taper == 0 || infeed == 0 || (taper < 0) == (infeed < 0) ||
+      std::fabs(taper) <= std::fabs(infeed) + kTiny)
+    return true;
   return fail(ex, rules, Fault::taper, 'R');
 }
 
@@ -124,7 +128,8 @@ bool peck_cycle(Executor& ex, bool across_first, const char* name) {
   const auto u = target_word(ex, axes.u, axes.u_name, axes.u_step);
   const auto v = target_word(ex, axes.v, axes.v_name, axes.v_step);
   if (!u && !v) {  // the first block: only e
-    if (b.has('P') || b.has('Q')) return fail(ex, rules, Fault::value, across_first ? axes.v_name : axes.u_name);
+    if (b.has('P') || b.has('Q'))
+      return fail(ex, rules, Fault::value, across_first ? axes.v_name : axes.u_name);
     if (!b.has('R')) return fail(ex, rules, Fault::value, 'R');
     const double back = ex.length_mm(b['R']);
     if (back < 0) return fail(ex, rules, Fault::value, 'R');
@@ -151,7 +156,8 @@ bool peck_cycle(Executor& ex, bool across_first, const char* name) {
   const double width = across_first ? job.end.u - job.start.u : job.end.v - job.start.v;
   if (std::fabs(depth) < kTiny) return fail(ex, rules, Fault::peck, across_first ? axes.v_name : axes.u_name);
   if (job.peck <= 0 && rules.peck_needed) return fail(ex, rules, Fault::peck, across_first ? 'P' : 'Q');
-  if (std::fabs(width) > kTiny && job.step <= 0) return fail(ex, rules, Fault::peck, across_first ? 'Q' : 'P');
+  if (std::fabs(width) > kTiny && job.step <= 0)
+    return fail(ex, rules, Fault::peck, across_first ? 'Q' : 'P');
   if (!check_feed(ex)) return false;
   start(ex, name, axes, pecking(job));
   return true;

@@ -72,7 +72,8 @@ double count_length(const Executor& ex, const program::Word& word, double unit_m
   return word.value() * static_cast<double>(ex.linear_increment) / 1e9 * ex.unit_mm;
 }
 
-bool take_thread_words(Executor& ex, const Rules& rules, const PlaneAxes& axes, ThreadUse use, ThreadPass& job) {
+bool take_thread_words(Executor& ex, const Rules& rules, const PlaneAxes& axes, ThreadUse use,
+                       ThreadPass& job) {
   const program::Block& b = ex.block;
   if (!take_lead(ex, rules)) return false;
   const double along_u = std::fabs(job.end.u - job.start.u);
@@ -83,7 +84,8 @@ bool take_thread_words(Executor& ex, const Rules& rules, const PlaneAxes& axes, 
     job.lead_mm = ex.lead_mm * longer / std::hypot(along_u, along_v);
   }
   interp::BoxWords& words = ex.cycle.box;
-  const bool starts_allowed = rules.starts_word && (rules.starts_parameter.empty() || ex.data.bit(rules.starts_parameter));
+  const bool starts_allowed =
+      rules.starts_word && (rules.starts_parameter.empty() || ex.data.bit(rules.starts_parameter));
   if (b.has('L')) {
     if (!starts_allowed) return fail(ex, rules, Fault::value, 'L');
     const auto starts = static_cast<std::int64_t>(b['L'].value());
@@ -103,7 +105,8 @@ bool take_thread_words(Executor& ex, const Rules& rules, const PlaneAxes& axes, 
       for (const char letter : {'J', 'K'}) {
         if (b.has(letter)) return fail(ex, rules, Fault::unfinished, letter, std::string("thread ") + letter);
       }
-      const double amount = ex.data.parameter(rules.parameters.runout, rules.runout_default) * 0.1 * ex.lead_mm;
+      const double amount =
+          ex.data.parameter(rules.parameters.runout, rules.runout_default) * 0.1 * ex.lead_mm;
       const double angle = std::clamp(ex.data.parameter(rules.parameters.runout_angle, 45), 1.0, 89.0);
       job.runout = {amount, amount * std::tan(angle * std::numbers::pi / 180)};
       break;

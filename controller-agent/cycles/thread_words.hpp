@@ -8,9 +8,10 @@ namespace headstock::cycles {
 
 enum class ThreadUse : std::uint8_t { single, multiple };
 
-/// F or I, Q (start angle of a single pass), L, J, K, P where a control has them, into `job`, whose start, end and
-/// taper are known. @return false after an alarm.
-bool take_thread_words(interp::Executor& ex, const Rules& rules, const PlaneAxes& axes, ThreadUse use, ThreadPass& job);
+/// F or I, Q (start angle of a single pass), L, J, K, P where a control has them, into `job`, whose start,
+/// end and taper are known. @return false after an alarm.
+bool take_thread_words(interp::Executor& ex, const Rules& rules, const PlaneAxes& axes, ThreadUse use,
+                       ThreadPass& job);
 
 /// Keeps a thread for G192.
 void remember_thread(interp::Executor& ex, const PlaneAxes& axes, const ThreadPass& job);

@@ -51,7 +51,8 @@ Moves threading(Threading job) {
     cut.start = job.start;
     cut.shift = shift;
     cut.end = {job.end.u, job.end.v + out * (job.height - depth)};
-    cut.taper = length > 0 ? job.taper * (length - shift) / length : 0;  // on the same cone, begun further along
+    cut.taper =
+        length > 0 ? job.taper * (length - shift) / length : 0;  // on the same cone, begun further along
     cut.lead_mm = job.lead_mm;
     cut.angle_deg = job.angle_deg;
     cut.starts = job.starts;

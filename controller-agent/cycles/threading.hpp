@@ -24,26 +24,29 @@ enum class Infeed : std::uint8_t {
 };
 
 struct Threading {
-  Point start, end;  ///< where the tool stands; root at the thread's end
-  double taper = 0;  ///< radius at the start minus radius at the end
-  double height = 0;        ///< k, > 0 [mm, radius]
-  double first_depth = 0;   ///< Δd, > 0
-  double least = 0;         ///< Δd min, ≥ 0
-  double finish = 0;        ///< d, ≥ 0, < height
+  Point start, end;                ///< where the tool stands; root at the thread's end
+  double taper = 0;                ///< radius at the start minus radius at the end
+  double height = 0;               ///< k, > 0 [mm, radius]
+  double first_depth = 0;          ///< Δd, > 0
+  double least = 0;                ///< Δd min, ≥ 0
+  double finish = 0;               ///< d, ≥ 0, < height
   std::int64_t finish_passes = 1;  ///< m, ≥ 0
   double tip_angle_deg = 0;        ///< a; 0: straight in
   DepthLaw law = DepthLaw::constant_area;
   LeastFrom least_from = LeastFrom::last_pass;
   Infeed infeed = Infeed::one_flank;
-  bool finish_straight = false;  ///< the finishing cuts go straight down from the last roughing cut (K2000TC s = 0)
-  bool finish_at_start = false;  ///< the finishing cuts begin at the start point itself, roughing before it (s = 1)
+  bool finish_straight =
+      false;  ///< the finishing cuts go straight down from the last roughing cut (K2000TC s = 0)
+  bool finish_at_start =
+      false;  ///< the finishing cuts begin at the start point itself, roughing before it (s = 1)
   double lead_mm = 0;
   double angle_deg = 0;
   std::int64_t starts = 1;
   Runout runout;
 };
 
-/// Depth after pass n = 1, 2 … [mm, radius]: roughing to height - finish, then the finishing passes at full height.
+/// Depth after pass n = 1, 2 … [mm, radius]: roughing to height - finish, then the finishing passes at full
+/// height.
 class Depths {
  public:
   explicit Depths(const Threading& job) : job_(job) {}

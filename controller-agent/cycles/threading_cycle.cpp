@@ -85,10 +85,13 @@ bool multiple_threading(Executor& ex) {
   const bool one_block = rules.one_block_form && (ex.data.bit(rules.one_block_parameter) || b.has('D'));
   job.start = here(ex, axes);
   job.end = {u.value_or(job.start.u), v.value_or(job.start.v)};
-  const auto value = [&](std::string_view parameter) { return parameter.empty() ? 0 : ex.data.parameter(parameter); };
+  const auto value = [&](std::string_view parameter) {
+    return parameter.empty() ? 0 : ex.data.parameter(parameter);
+  };
   job.least = value(rules.parameters.least_depth);
   job.finish = value(rules.parameters.finish_allowance);
-  job.finish_passes = std::max<std::int64_t>(1, static_cast<std::int64_t>(value(rules.parameters.finish_passes)));
+  job.finish_passes =
+      std::max<std::int64_t>(1, static_cast<std::int64_t>(value(rules.parameters.finish_passes)));
   job.tip_angle_deg = value(rules.parameters.tip_angle);
   job.least_from = rules.least_from_root ? LeastFrom::root : LeastFrom::last_pass;
   std::int64_t method = static_cast<std::int64_t>(value(rules.parameters.thread_method));
@@ -123,7 +126,8 @@ bool multiple_threading(Executor& ex) {
   }
   if (std::fabs(job.end.u - job.start.u) < kTiny) return fail(ex, rules, Fault::value, axes.u_name);
   if (std::fabs(job.end.v - job.start.v) < kTiny) return fail(ex, rules, Fault::thread_in_vain, axes.v_name);
-  if (!stands_clear(job)) return fail(ex, rules, Fault::thread_in_vain, axes.v_name, "start point inside the thread");
+  if (!stands_clear(job))
+    return fail(ex, rules, Fault::thread_in_vain, axes.v_name, "start point inside the thread");
   constexpr double kMostPasses = 9'999;  // ours: less per cut than any tool takes
   if (most_passes(job) > kMostPasses) return fail(ex, rules, Fault::thread_depths, depth_letter);
 

@@ -77,8 +77,10 @@ struct CycleState {
   HoleWords hole;
   const dialects::GCode* hole_ended = nullptr;  ///< the mode that this block's codes end
   LastThread last_thread;
-  std::int32_t clamp_m = 0;  ///< M code that clamps the rotary axis inside hole cycles, the next number frees it; 0: none
-  double runout_tenths = -1;  ///< r of G76, P of G92 where both share it (K2000TC), 0.1 lead; < 0: never given
+  std::int32_t clamp_m =
+      0;  ///< M code that clamps the rotary axis inside hole cycles, the next number frees it; 0: none
+  double runout_tenths =
+      -1;                   ///< r of G76, P of G92 where both share it (K2000TC), 0.1 lead; < 0: never given
   bool rigid_next = false;  ///< M29 stands: the next tapping cycle is rigid
 
   /// Where the profile of the last roughing cycle stands, so that G70 finds the same one.
@@ -105,7 +107,8 @@ struct CycleState {
   }
 
   /// Which modal words a block's codes end.
-  void on_codes(const dialects::GCode* motion, const dialects::GCode* action, const dialects::GCode* new_hole) {
+  void on_codes(const dialects::GCode* motion, const dialects::GCode* action,
+                const dialects::GCode* new_hole) {
     constexpr std::int16_t kDwell = 40;
     if (motion != nullptr && motion->handler != box.owner) box.owner = nullptr;
     if (action != nullptr && action->tenths != kDwell) box.owner = nullptr;

