@@ -219,6 +219,7 @@ bool Executor::run_m_codes(bool after_motion) {
         continue;  // program flow, not sent to the machine
     }
     if (is_after != after_motion) continue;
+    if (!tool_life::take_m(*this, number, block.m[i].column)) return false;
     if (cycle.hole.code != nullptr && number != 0 && number == cycle.clamp_m) {
       cycle.hole.clamp = true;  // goes out when the hole's position is reached
       continue;
@@ -252,6 +253,7 @@ bool Executor::run_program_flow() {
       case MAction::end_m30: {
         const bool m30 = dialect.m_action(block.m[i].tenths / 10) == MAction::end_m30;
         const bool counts = (m30 || dialect.m02_counts_part) && !data.bit(dialect.no_count_parameter);
+        tool_life::end_run(*this);
         return finish(m30 ? EndReason::m30 : EndReason::m02, counts);
       }
       case MAction::call: {
@@ -277,6 +279,12 @@ bool Executor::run_program_flow() {
           if (sequence < 0) return false;
         }
         if (frames.size() > 1) return return_from_sub(sequence, column);
+        const bool stops = tool_life::stops_at_m99(*this);
+        if (stops) {
+          auto& stop = emit<Stop>();
+          stop.at = at;
+          stop.modal = modal;
+        }
         if (sequence >= 0) return jump_to_sequence(sequence, column);
         return finish(EndReason::m99_main, dialect.m99_main_counts_part);
       }

@@ -111,6 +111,7 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   finished = false;
   jumps = 0;
   at = {};
+  tool_life::begin_run(*this);
   data_input = {};
   take_parameters();
   if (own) own->start(*this);
@@ -155,6 +156,7 @@ void Executor::reset(const AxisVector& machine_position) {
   finished = true;
   if (dialect.reset_clears || data.bit(dialect.reset_clears_parameter)) power_on();
   spindle_direction = SpindleDirection::stop;
+  tool_life::leave(*this);
   if (own) own->reset(*this);
   set_position(machine_position);
 }
