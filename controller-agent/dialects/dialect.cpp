@@ -118,6 +118,7 @@ void add_g_codes(Dialect& dialect, std::span<const GRow> rows, std::span<const O
       code.phase = cycle->phase;
       code.handler = cycle->handler;
       code.cycle = found = true;
+      code.lead = cycles::f_is_lead(cycle->handler);
     }
     if (!found) broken_table(dialect, row[5]);
     for (std::size_t system = 0; system < 3; ++system) {

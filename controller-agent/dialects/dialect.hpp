@@ -30,6 +30,7 @@ enum class Phase : std::uint8_t {
   setting,      ///< before everything else: planes, units, feed modes, coordinate systems
   modifier,     ///< changes how the block's motion ends (G09)
   action,       ///< the block's axis words belong to it (G04, G10, G28 …)
+  hole,         ///< hole cycles: every position drills until G80 or a code of group 01
   motion        ///< group 01; in force until the next one
 };
 
@@ -41,6 +42,7 @@ struct GCode {
   Handler handler = nullptr;
   std::string_view name;  ///< "G54.1", static storage: also what cycles are named by
   bool power_on = false;  ///< in force after power-on
+  bool lead = false;      ///< F is the lead of a thread
   bool cycle = false;     ///< a canned cycle: letters like U and W are words of its own
 };
 
@@ -74,6 +76,7 @@ enum class MAction : std::uint8_t {
   end_m30,
   call,
   return_,
+  rigid_tapping,  ///< M29: the next tapping cycle is rigid; sent to the machine too
   restart,  ///< M96 of 200T: from the head again
   own,      ///< OwnLanguage::m_code
   unavailable
@@ -196,6 +199,7 @@ struct Dialect {
   std::string_view setting_refused_parameter;  ///< bit: G50/G92 coordinate setting is an improper G code
   std::string_view dwell_turns_parameter;      ///< bit: G04 counts revolutions under feed per revolution
   std::string_view linear_rapid_parameter;     ///< bit: G00 runs on a straight line
+  std::string_view hole_clamp_parameter;  ///< M code that clamps the rotary axis inside hole cycles
   bool g28_alone_moves_all = false;            ///< G28 without axes sends every axis home
   /// A text that starts like a macro statement, when the dialect has a form of its own (200T names). May be
   /// nullptr.

@@ -49,6 +49,9 @@ bool Executor::execute() {
     code = action;
     code_column = action_column;
     if (!action->handler(*this)) return false;
+  } else if (cycle.hole.code != nullptr) {
+    code = cycle.hole.code;
+    if (!code->handler(*this)) return false;
   } else if (((block.words & axis_letters) | pending_axes) != 0) {
     code = motion_code;
     if (motion_code->phase == Phase::unavailable) {
@@ -114,6 +117,7 @@ bool Executor::take_codes() {
   exact_stop_once = false;
   pending_axes = 0;
   const GCode* new_motion = nullptr;
+  const GCode* new_hole = nullptr;
   std::uint32_t groups = 0;
   for (std::size_t i = 0; i < block.g_count; ++i) {
     const program::Code& written = block.g[i];
@@ -145,6 +149,10 @@ bool Executor::take_codes() {
         break;
       case Phase::motion:
         new_motion = row;
+        new_hole = nullptr;  // of a motion and a hole cycle in one block the later one counts
+        break;
+      case Phase::hole:
+        new_hole = row;
         break;
     }
     if (row->group != 0) modal.g[row->group] = row->tenths;
@@ -158,7 +166,15 @@ bool Executor::take_codes() {
     return alarm(AlarmReason::t_not_allowed, block['T'].column, std::string(action->name));
   }
   if (new_motion != nullptr) motion_code = new_motion;
-  if (new_motion != nullptr || action != nullptr) cycle.on_codes(new_motion, action);
+  if (new_motion != nullptr || action != nullptr || new_hole != nullptr) {
+    cycle.on_codes(new_motion, action, new_hole);
+    if (new_hole != nullptr && !dialect.hole_clamp_parameter.empty())
+      cycle.clamp_m = static_cast<std::int32_t>(data.parameter(dialect.hole_clamp_parameter));
+    if (cycle.hole_ended != nullptr) {  // a code of group 01 is a G80 too
+      modal.g[cycle.hole_ended->group] = 800;
+      cycle.hole_ended = nullptr;
+    }
+  }
   return true;
 }
 
@@ -217,6 +233,9 @@ bool Executor::run_m_codes(bool after_motion) {
           emit_spindle();
         }
         break;
+      case MAction::rigid_tapping:
+        cycle.rigid_next = true;
+        break;
       case MAction::machine:
         break;
       case MAction::machine_after:
@@ -229,6 +248,10 @@ bool Executor::run_m_codes(bool after_motion) {
     }
     if (is_after != after_motion) continue;
     if (!tool_life::take_m(*this, number, block.m[i].column)) return false;
+    if (cycle.hole.code != nullptr && number != 0 && number == cycle.clamp_m) {
+      cycle.hole.clamp = true;  // goes out when the hole's position is reached
+      continue;
+    }
     if (spindle_changed) emit_spindle();
     auto& sent = emit<MCode>();
     sent.at = at;

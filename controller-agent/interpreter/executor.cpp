@@ -84,7 +84,7 @@ void Executor::power_on(std::uint32_t keep) {
   const auto put_in_force = [this, keep](const GCode& row) {
     if ((keep >> row.group & 1u) != 0) return;
     if (row.group != 0) modal.g[row.group] = row.tenths;
-    if (row.phase == Phase::motion) motion_code = &row;
+    if (row.phase == Phase::motion) motion_code = &row;  // G80 is in force as a setting
     if (row.phase == Phase::setting && row.handler != nullptr) {
       code = &row;
       row.handler(*this);

@@ -15,7 +15,8 @@ Dialect make_gsk_2000tc() {
   d.set_alarm_code(R::too_many_m, "135");  // L972
   add_g_codes(d, tables::gcodes_gsk_2000tc);
   for (const std::int32_t after : {11, 13, 33}) d.m_rules.push_back({after, MAction::machine_after});  // L940
-  d.m_rules.push_back({29, MAction::unavailable});
+  d.m_rules.push_back({29, MAction::rigid_tapping});
+  d.numbers.decimal = Decimal::pocket;  // all examples write millimetres without a point
   d.numbers.most_increments = 999'999'999;
   d.numbers.power_on_feed_mm_min = 300;  // P076
   d.numbers.addresses = letters("BCDFHIJKLPQRSTUVWXYZ");
