@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compensation/rules.hpp"
 #include "dialects/alarm_reason.hpp"
 #include "machine/machine.hpp"
 
@@ -159,6 +160,9 @@ struct Dialect {
   ThreadRules threads;
   CallRules calls;
   ToolRules tools;
+  comp::CornerRules corners;
+  comp::CompensationRules compensation;
+  std::string_view compensated_cycle = "G70";  ///< the cycle whose moves are compensated; others drop the vector
   Repeated repeated_words = Repeated::last_wins;
   std::string_view repeated_alarm_parameter;  ///< bit: alarm after all
   std::uint32_t may_repeat = 0;               ///< letters that may repeat in spite of `alarm`
@@ -167,7 +171,7 @@ struct Dialect {
   BothForms both_forms = BothForms::later_wins;
   EndOfText end_of_text = EndOfText::alarm;
   std::size_t longest_block = 8'192;
-  std::uint32_t corner_words = 0;  ///< letters of chamfers and corner rounds in G01: refused, not ignored
+  std::uint32_t corner_words = 0;  ///< letters of chamfers and corner rounds in G01; see take_corner_words
   bool inner_slash_is_alarm = false;
   bool t_refused_with_actions = false;  ///< T may not share a block with G04 G10 G28 G30 G50 G53
   bool reset_clears = false;            ///< RESET brings the power-on codes back

@@ -26,6 +26,7 @@ bool Executor::execute() {
   }
   if (block.m_count != 0 && !run_m_codes(false)) return false;
   if (spindle_changed) emit_spindle();
+  if (((block.words & dialect.corner_words) | block.marked) != 0 && !take_corner_words()) return false;
 
   // A move of an axis that the machine does not have must not be left out silently.
   if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters; wrong != 0) {

@@ -32,6 +32,7 @@ bool set_coordinates(Executor& ex) {
   if (ex.data.bit(ex.dialect.setting_refused_parameter)) {
     return ex.alarm(AlarmReason::illegal_g, ex.code_column, std::string(ex.code->name));
   }
+  ex.pipeline.drop_for_setting();
   return for_axis_words(ex, [&ex](std::size_t i, std::int64_t value, bool by, const program::Word&) {
     ProgramAxis& axis = ex.axes[i];
     const bool add = by || ex.incremental;

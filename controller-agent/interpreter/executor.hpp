@@ -19,6 +19,7 @@
 #include "interpreter/canonical.hpp"
 #include "interpreter/interpreter.hpp"
 #include "interpreter/machine_data.hpp"
+#include "interpreter/pipeline.hpp"
 #include "machine/machine.hpp"
 #include "program/block.hpp"
 #include "program/block_reader.hpp"
@@ -73,6 +74,7 @@ struct Executor {
   Pull next(Operation& out);
   void reset(const AxisVector& machine_position);
   void set_position(const AxisVector& machine_position);
+  void cancel_compensation();
   AxisVector to_work(const AxisVector& machine_position, const ModalSnapshot& under) const;
 
   // ---- reading (flow.cpp)
@@ -140,6 +142,15 @@ struct Executor {
   bool take_tool();
   void emit_spindle();
   bool apply_tool_offset(std::int64_t geometry, std::int64_t wear, std::uint32_t column);
+
+  // ---- chamfers, corner rounds, angles (corner_words.cpp)
+  /// Reads the block's words for its corner and takes them out of `block.words`. @return false after an alarm.
+  bool take_corner_words();
+  /// After take_targets: the end point that the block's angle gives.
+  bool take_angle(std::uint32_t& moved);
+  bool take_perpendicular(CornerRequest& request);
+  bool open_line();
+  double angle_deg(const program::Word& word) const;
 
   // ---- results
   template <typename T>
@@ -217,6 +228,10 @@ struct Executor {
   std::vector<Frame> frames;
   std::uint64_t jumps = 0;  ///< backwards since the last motion
   bool finished = true;
+
+  // ---- chamfers, corner rounds, G41/G42
+  Pipeline pipeline;
+  std::array<std::int64_t, 2> angle_from{};  ///< programmed position of the plane's axes before an angle block
 
   // ---- results of the block
   Operation* out = nullptr;

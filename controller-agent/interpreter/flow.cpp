@@ -94,6 +94,7 @@ Executor::Step Executor::step() {
     return Step::done;
   }
   if (read.status == program::LexStatus::statement) {
+    pipeline.block_read();  // a macro statement counts as a block without movement (0i-D M, K2000TC L19782)
     if (dialect.statement == nullptr || !dialect.statement(*this, read.statement, read.column)) {
       alarm(AlarmReason::statement_unavailable, read.column,
             std::string(read.statement.substr(0, read.statement.find_first_of(" [=("))));
@@ -108,9 +109,12 @@ Executor::Step Executor::step() {
     }
     if (frame.at_start) frame.number = at.program = block.number;
   }
-  const bool empty = (block.words | block.g_count | block.m_count) == 0;
+  const bool empty = (block.words | block.marked | block.g_count | block.m_count) == 0;
   if (!empty || block.has_sequence) frame.at_start = false;
-  if (!empty) execute();
+  if (!empty) {
+    pipeline.block_read();
+    execute();
+  }
   return Step::done;
 }
 
