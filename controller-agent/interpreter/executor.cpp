@@ -25,6 +25,7 @@ Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& mac
   }
   plane = dialect.tools.lathe ? Plane::zx : Plane::xy;
   queue.reserve(8);
+  if (dialect.make_own != nullptr) own = dialect.make_own(*this);
   modal.g.fill(-1);
   set_units(false);
   set_switches({});
@@ -101,6 +102,7 @@ void Executor::power_on() {
   }
   set_units(inch);
   feed_mm = dialect.numbers.power_on_feed_mm_min;
+  if (own) own->power_on(*this);
 }
 
 void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& machine_position) {
@@ -115,6 +117,7 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   jumps = 0;
   at = {};
   linear_rapid = data.bit(dialect.linear_rapid_parameter);
+  if (own) own->start(*this);
   update_zeros();
   set_position(machine_position);
 }
@@ -148,6 +151,7 @@ void Executor::reset(const AxisVector& machine_position) {
   finished = true;
   if (dialect.reset_clears || data.bit(dialect.reset_clears_parameter)) power_on();
   spindle_direction = SpindleDirection::stop;
+  if (own) own->reset(*this);
   set_position(machine_position);
 }
 

@@ -19,6 +19,7 @@
 #include "interpreter/canonical.hpp"
 #include "interpreter/interpreter.hpp"
 #include "interpreter/machine_data.hpp"
+#include "interpreter/own_language.hpp"
 #include "interpreter/pipeline.hpp"
 #include "machine/machine.hpp"
 #include "program/block.hpp"
@@ -61,6 +62,7 @@ struct Frame {
   bool at_start = true;               ///< nothing but tape marks and the O word so far
   std::int64_t wanted_sequence = -1;  ///< searching this N; -1: not searching
   SourcePosition wanted_by;           ///< of the jump, for the alarm
+  std::string wanted_name;            ///< label of the jump where labels are not numbers
 };
 
 struct Executor {
@@ -176,6 +178,7 @@ struct Executor {
   MachineData& data;
   program::Programs* programs;
   DataChanged changed;
+  std::unique_ptr<OwnLanguage> own;  ///< of the dialect; most have none
 
   // ---- settings
   Switches switches;

@@ -40,6 +40,7 @@ AlarmReason reason_of(program::LexError error) {
 
 Executor::Step Executor::step() {
   Frame& frame = frames.back();
+  if (own && own->before_block(*this, frame) == OwnLanguage::Taken::done) return Step::done;
   if (frame.rest == nullptr) {
     switch (frame.reader->next(frame.line)) {
       case program::LineStatus::line:
@@ -65,6 +66,7 @@ Executor::Step Executor::step() {
   at.line = frame.line.number;
   at.column = 0;
   at.byte_offset = frame.line.byte_offset + static_cast<std::uint64_t>(frame.rest - frame.line.text.data());
+  if (own && own->take_text(*this, frame) == OwnLanguage::Taken::done) return Step::done;
 
   const char* line_end = frame.line.text.data() + frame.line.text.size();
   const program::LexResult read = program::lex_block(frame.line.text, frame.rest, lex_rules, block);
@@ -123,15 +125,19 @@ bool Executor::end_of_text(bool record_end) {
   at.column = 0;
   if (frame.wanted_sequence >= 0) {
     const SourcePosition from = frame.wanted_by;
-    const std::int64_t wanted = frame.wanted_sequence;
+    const std::string wanted =
+        frame.wanted_name.empty() ? std::to_string(frame.wanted_sequence) : frame.wanted_name;
     at = from;
-    return alarm(AlarmReason::sequence_not_found, from.column, "N" + std::to_string(wanted));
+    return alarm(AlarmReason::sequence_not_found, from.column, "N" + wanted);
   }
   if (!record_end) at.line = frame.reader->line_number();
   if (!switches.lenient && dialect.end_of_text == dialects::EndOfText::alarm) {
     return alarm(AlarmReason::end_of_record, 0);
   }
-  if (frames.size() > 1) return return_from_sub(-1, 0);
+  if (frames.size() > 1) {
+    if (dialect.sub_program_needs_return && !switches.lenient) return alarm(AlarmReason::nesting, 0, "M99");
+    return return_from_sub(-1, 0);
+  }
   return finish(EndReason::end_of_file, false);
 }
 

@@ -88,6 +88,11 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
           seen.op = "m";
           seen.values["code"] = op.code;
           seen.values["after"] = op.after_motion ? 1 : 0;
+          seen.values["delay"] = op.delay_s;
+          seen.values["axis"] = op.at_axis;
+          seen.values["at"] = op.at_position;
+          seen.values["input"] = op.input;
+          seen.values["level"] = op.input_level ? 1 : 0;
         } else if constexpr (std::is_same_v<T, interp::Message>) {
           seen.op = "message";
         } else if constexpr (std::is_same_v<T, interp::Stop>) {
