@@ -11,6 +11,7 @@
 
 #include "compensation/rules.hpp"
 #include "dialects/alarm_reason.hpp"
+#include "dialects/mode_rules.hpp"
 #include "interpreter/own_language.hpp"
 #include "machine/machine.hpp"
 
@@ -119,6 +120,8 @@ struct ArcRules {
   std::string_view tolerance_parameter = {};
   bool negative_r = true;
   bool r_and_center_is_alarm = false;
+  bool feed_on_arc = false;  ///< F of a helix counts along the arc, not along the path
+  std::string_view feed_on_path_parameter = {};  ///< bit: along the path after all
   bool closed_by_r_is_alarm = false;  ///< start = end with R: an alarm instead of no motion
 };
 
@@ -167,6 +170,7 @@ struct Dialect {
   comp::CornerRules corners;
   comp::CompensationRules compensation;
   std::string_view compensated_cycle = "G70";  ///< the cycle whose moves are compensated; others drop the vector
+  ModeRules modes;
   Repeated repeated_words = Repeated::last_wins;
   std::string_view repeated_alarm_parameter;  ///< bit: alarm after all
   std::uint32_t may_repeat = 0;               ///< letters that may repeat in spite of `alarm`

@@ -17,6 +17,9 @@ constexpr std::uint32_t kFeedSpindleTool = letters("FST");
 }  // namespace
 
 bool Executor::execute() {
+  // Data of G10 … up to G11. A lone G11 is an ordinary code.
+  if (data_input.line != nullptr && !(block.g_count == 1 && block.g[0].tenths == 110))
+    return check_words() && data_input.line(*this);
   if (!check_words() || !take_codes()) return false;
   if (setting_count != 0 && !run_settings()) return false;
   if ((block.words & kFeedSpindleTool) != 0) {

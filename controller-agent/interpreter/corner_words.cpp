@@ -165,6 +165,7 @@ bool Executor::take_angle(std::uint32_t& moved) {
   if (pipeline.line_is_open() && !block.has_marked('A')) return true;  // refused when the move arrives
   if (!block.has_marked('A')) return true;
   const program::Word& word = block.marked_at('A');
+  if (transform.active()) return alarm(AlarmReason::corner_comma, word.column, ",A");
   const CompensationMode now = pipeline.mode_of(*this);
   const std::size_t u = now.first, v = now.second;
   const double angle = angle_deg(word);

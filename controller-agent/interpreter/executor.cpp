@@ -23,7 +23,7 @@ Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& mac
     axes[i].rotary = machine.axes[i].rotary;
     axes[i].diameter = machine.axes[i].designation == machine::Designation::diameter ? 0.5 : 1;
   }
-  plane = dialect.tools.lathe ? Plane::zx : Plane::xy;
+  select_plane(dialect.tools.lathe ? Plane::zx : Plane::xy);
   queue.reserve(8);
   if (dialect.make_own != nullptr) own = dialect.make_own(*this);
   modal.g.fill(-1);
@@ -116,7 +116,8 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   finished = false;
   jumps = 0;
   at = {};
-  linear_rapid = data.bit(dialect.linear_rapid_parameter);
+  data_input = {};
+  take_parameters();
   if (own) own->start(*this);
   update_zeros();
   set_position(machine_position);
@@ -171,7 +172,7 @@ AxisVector Executor::to_work(const AxisVector& machine_position, const ModalSnap
   AxisVector work{};
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const double unit = under.inch && !axes[i].rotary ? 25.4 : 1;
-    work[i] = (machine_position[i] - under.work_zero[i]) / (axes[i].diameter * unit);
+    work[i] = within_turn(i, (machine_position[i] - under.work_zero[i]) / (axes[i].diameter * unit));
   }
   return work;
 }

@@ -70,6 +70,10 @@ class Interpreter {
   /// Where the axes really stand, when a move did not end as programmed (skip, manual intervention, abort).
   void set_position(const AxisVector& machine_position);
 
+  /// A skip move (`Feed::skip_signals`) is over: by a signal, or at its end. Called before the next operation is
+  /// asked for.
+  void skip_ended(const AxisVector& machine_position, bool triggered);
+
   const ModalSnapshot& modal() const;
   /// Absolute position page for a machine position, under the state in `modal`: programming units, X as
   /// diameter.

@@ -32,10 +32,9 @@ bool is_arc(const Operation& operation) {
 CompensationMode Pipeline::mode_of(const Executor& ex) const {
   CompensationMode mode;
   mode.plane = ex.plane;
-  constexpr char kNames[3][2] = {{'X', 'Y'}, {'Z', 'X'}, {'Y', 'Z'}};
-  const auto& names = kNames[static_cast<std::size_t>(ex.plane)];
-  mode.first = static_cast<std::uint8_t>(ex.axis_named(names[0]).value_or(0));
-  mode.second = static_cast<std::uint8_t>(ex.axis_named(names[1]).value_or(0));
+  const auto plane = ex.plane_axes();
+  mode.first = static_cast<std::uint8_t>(plane.first < 0 ? 0 : plane.first);
+  mode.second = static_cast<std::uint8_t>(plane.second < 0 ? 0 : plane.second);
   if (side_ == 0) return mode;
   const auto& rules = ex.dialect.compensation;
   const std::int64_t number = rules.by_d ? d_number : ex.modal.offset;
@@ -44,7 +43,9 @@ CompensationMode Pipeline::mode_of(const Executor& ex) const {
   if (!mode.wanted || number >= static_cast<std::int64_t>(ex.data.tools.size())) return mode;
   const ToolOffset& tool = ex.data.tools[static_cast<std::size_t>(number)];
   const double value = tool.radius + tool.radius_wear;
-  mode.radius = side_ * (ex.data.bit(rules.diameter_parameter) ? value / 2 : value);
+  // In a plane that is mirrored the tool is on the other side, as arcs turn the other way.
+  const int side = ex.transform.reverses(mode.first, mode.second) ? -side_ : side_;
+  mode.radius = side * (ex.data.bit(rules.diameter_parameter) ? value / 2 : value);
   if (ex.dialect.tools.lathe && tool.tip > 0 && tool.tip < 9 &&
       (rules.tips_in_all_planes || ex.plane == Plane::zx)) {
     mode.tip = kTips[tool.tip] * std::fabs(mode.radius);
