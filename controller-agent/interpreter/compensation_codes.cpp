@@ -2,6 +2,21 @@
 #include "interpreter/executor.hpp"
 #include "interpreter/handlers.hpp"
 
+namespace headstock::interp {
+
+// D: the offset number of G41/G42 on a mill; in force until the next one.
+bool Executor::take_d() {
+  const std::int64_t number = whole('D', AlarmReason::offset_number);
+  if (number < 0) return false;
+  if (number > static_cast<std::int64_t>(dialect.tools.most_offsets)) {
+    return alarm(AlarmReason::offset_number, block['D'].column, "D");
+  }
+  pipeline.d_number = number;
+  return true;
+}
+
+}  // namespace headstock::interp
+
 namespace headstock::interp::handlers {
 namespace {
 
@@ -11,13 +26,6 @@ bool side(Executor& ex, int wanted) {
                    (!rules.enable_parameter.empty() && ex.data.parameter(rules.enable_parameter, 1) == 0);
   if (off && wanted != 0)
     return ex.alarm(AlarmReason::g_unavailable, ex.code_column, std::string(ex.code->name));
-  if (rules.by_d && ex.block.has('D')) {
-    ex.pipeline.d_number = ex.whole('D', AlarmReason::offset_number);
-    if (ex.pipeline.d_number < 0) return false;
-    if (ex.pipeline.d_number > static_cast<std::int64_t>(ex.dialect.tools.most_offsets)) {
-      return ex.alarm(AlarmReason::offset_number, ex.block['D'].column, "D");
-    }
-  }
   const bool same = wanted != 0 && ex.pipeline.side() == wanted;
   if (wanted != 0) ex.pipeline.activate(ex.machine_now);
   ex.pipeline.written(wanted, same);

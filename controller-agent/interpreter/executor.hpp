@@ -186,6 +186,7 @@ struct Executor {
   bool take_corner_words();
   /// After take_targets: the end point that the block's angle gives.
   bool take_angle(std::uint32_t& moved);
+  bool take_d();
   bool take_perpendicular(CornerRequest& request);
   bool open_line();
   double angle_deg(const program::Word& word) const;

@@ -27,7 +27,9 @@ Motion* motion_of(Operation& operation) {
 }
 
 void Pipeline::clear() {
+  const std::int64_t number = d_number;
   *this = Pipeline{};
+  d_number = number;
 }
 
 void Pipeline::activate(const AxisVector& machine_position) {

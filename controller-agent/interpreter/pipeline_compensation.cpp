@@ -39,6 +39,7 @@ CompensationMode Pipeline::mode_of(const Executor& ex) const {
   const auto& rules = ex.dialect.compensation;
   const std::int64_t number = rules.by_d ? d_number : ex.modal.offset;
   mode.again = again_;
+  mode.asked = true;
   mode.wanted = number > 0;
   if (!mode.wanted || number >= static_cast<std::int64_t>(ex.data.tools.size())) return mode;
   const ToolOffset& tool = ex.data.tools[static_cast<std::size_t>(number)];
@@ -92,6 +93,10 @@ void Pipeline::compensate(Executor& ex, Entry&& entry) {
     }
     return follow(ex, std::move(entry));
   }
+  const auto& refused = ex.dialect.compensation;
+  if (entry.mode.wanted && refused.threads_refused && std::holds_alternative<Thread>(entry.op)) {
+    return raise(ex, AlarmReason::compensation_refused, motion_of(entry.op)->at, 0, {});
+  }
   if (entry.lifted) {  // the vector is dropped; the next motion in the plane takes it again
     settle_here(ex);
     on_ = false;
@@ -106,6 +111,9 @@ void Pipeline::compensate(Executor& ex, Entry&& entry) {
   quiet_blocks_ = 0;
   if (on_ && entry.mode.plane != (has_last_ ? last_.mode : kept_mode_).plane) {
     return raise(ex, AlarmReason::compensation_plane, motion_of(entry.op)->at, 0, {});
+  }
+  if (entry.mode.asked && !entry.mode.wanted && !on_ && refused.zero_number_is_alarm) {
+    return raise(ex, AlarmReason::compensation_number, motion_of(entry.op)->at, 0, {});
   }
   if (!entry.mode.wanted) return on_ ? leave(ex, std::move(entry)) : send(ex, std::move(entry.op));
 

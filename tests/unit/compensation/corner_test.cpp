@@ -66,7 +66,9 @@ TEST(CutCorner, RoundsAreTangentAndChamfersHaveTheirSize) {
     ++chamfers;
     ASSERT_NEAR(length(chamfer.inserted.from - a.to), r, 1e-9);
     ASSERT_NEAR(length(chamfer.inserted.to - a.to), r, 1e-9);
-    if (a.arc) ASSERT_NEAR(length(chamfer.first.to - a.center), a.start_radius(), 1e-9);
+    if (a.arc) {
+      ASSERT_NEAR(length(chamfer.first.to - a.center), a.start_radius(), 1e-9);
+    }
 
     const CutCorner own = cut_corner(a, b, CornerShape::chamfer, r, ChamferSize::own_length);
     ASSERT_EQ(own.fault, CornerFault::none);
