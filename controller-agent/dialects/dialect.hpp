@@ -12,6 +12,7 @@
 #include "compensation/rules.hpp"
 #include "dialects/alarm_reason.hpp"
 #include "dialects/mode_rules.hpp"
+#include "dialects/tool_life_rules.hpp"
 #include "interpreter/own_language.hpp"
 #include "machine/machine.hpp"
 
@@ -41,6 +42,7 @@ struct GCode {
   Handler handler = nullptr;
   std::string_view name;  ///< "G54.1", static storage: also what cycles are named by
   bool power_on = false;  ///< in force after power-on
+  bool cycle = false;     ///< a canned cycle: letters like U and W are words of its own
 };
 
 /// The G codes of one G-code system, found by number without searching.
@@ -171,6 +173,7 @@ struct Dialect {
   comp::CompensationRules compensation;
   std::string_view compensated_cycle = "G70";  ///< the cycle whose moves are compensated; others drop the vector
   ModeRules modes;
+  ToolLifeRules life;
   Repeated repeated_words = Repeated::last_wins;
   std::string_view repeated_alarm_parameter;  ///< bit: alarm after all
   std::uint32_t may_repeat = 0;               ///< letters that may repeat in spite of `alarm`

@@ -21,6 +21,7 @@ bool Executor::execute() {
   if (data_input.line != nullptr && !(block.g_count == 1 && block.g[0].tenths == 110))
     return check_words() && data_input.line(*this);
   if (!check_words() || !take_codes()) return false;
+  if (dialect.compensation.by_d && block.has('D') && !take_d()) return false;
   if (setting_count != 0 && !run_settings()) return false;
   if ((block.words & kFeedSpindleTool) != 0) {
     if (block.has('F') && !take_feed()) return false;
@@ -32,7 +33,8 @@ bool Executor::execute() {
   if (((block.words & dialect.corner_words) | block.marked) != 0 && !take_corner_words()) return false;
 
   // A move of an axis that the machine does not have must not be left out silently.
-  if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters; wrong != 0) {
+  if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters;
+      wrong != 0 && (action == nullptr || !action->cycle)) {
     const char letter = lowest_letter(wrong);
     return alarm(AlarmReason::illegal_address, block[letter].column, std::string(1, letter));
   }
@@ -54,7 +56,19 @@ bool Executor::execute() {
     code = motion_code;
     if (!motion_code->handler(*this)) return false;
   }
+  if (cycle.starts_cycle) {  // the cycle's moves come first
+    cycle.starts_cycle = false;
+    if (block.m_count != 0) cycle.deferred = std::make_unique<program::Block>(block);
+    return true;
+  }
   if (block.m_count == 0) return true;
+  return run_m_codes(true) && run_program_flow();
+}
+
+bool Executor::run_deferred() {
+  if (cycle.deferred == nullptr) return true;
+  block = *cycle.deferred;
+  cycle.deferred.reset();
   return run_m_codes(true) && run_program_flow();
 }
 
@@ -129,10 +143,11 @@ bool Executor::take_codes() {
       !switches.lenient) {
     return alarm(AlarmReason::g_one_shot_and_motion, action_column, std::string(action->name));
   }
-  if (action != nullptr && block.has('T') && dialect.t_refused_with_actions) {
+  if (action != nullptr && block.has('T') && dialect.t_refused_with_actions && !action->cycle) {
     return alarm(AlarmReason::t_not_allowed, block['T'].column, std::string(action->name));
   }
   if (new_motion != nullptr) motion_code = new_motion;
+  if (new_motion != nullptr || action != nullptr) cycle.on_codes(new_motion, action);
   return true;
 }
 
@@ -187,6 +202,7 @@ bool Executor::run_m_codes(bool after_motion) {
         continue;  // program flow, not sent to the machine
     }
     if (is_after != after_motion) continue;
+    if (!tool_life::take_m(*this, number, block.m[i].column)) return false;
     if (spindle_changed) emit_spindle();
     auto& sent = emit<MCode>();
     sent.at = at;
@@ -216,6 +232,7 @@ bool Executor::run_program_flow() {
       case MAction::end_m30: {
         const bool m30 = dialect.m_action(block.m[i].tenths / 10) == MAction::end_m30;
         const bool counts = (m30 || dialect.m02_counts_part) && !data.bit(dialect.no_count_parameter);
+        tool_life::end_run(*this);
         return finish(m30 ? EndReason::m30 : EndReason::m02, counts);
       }
       case MAction::call: {
@@ -241,6 +258,12 @@ bool Executor::run_program_flow() {
           if (sequence < 0) return false;
         }
         if (frames.size() > 1) return return_from_sub(sequence, column);
+        const bool stops = tool_life::stops_at_m99(*this);
+        if (stops) {
+          auto& stop = emit<Stop>();
+          stop.at = at;
+          stop.modal = modal;
+        }
         if (sequence >= 0) return jump_to_sequence(sequence, column);
         return finish(EndReason::m99_main, dialect.m99_main_counts_part);
       }

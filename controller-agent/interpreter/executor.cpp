@@ -113,9 +113,11 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   queue.clear();
   queue_head = 0;
   cancel_compensation();
+  cycle.clear();
   finished = false;
   jumps = 0;
   at = {};
+  tool_life::begin_run(*this);
   data_input = {};
   take_parameters();
   if (own) own->start(*this);
@@ -136,6 +138,16 @@ Pull Executor::next(Operation& wanted) {
       return Pull::operation;
     }
     if (finished) return Pull::finished;
+    if (cycle.running != nullptr) {
+      if (!cycle.running->next(*this)) {
+        cycle.running.reset();
+        cycle.name = nullptr;
+        if (!finished) run_deferred();
+      }
+      if (pipeline.active()) pipeline.take(*this);
+      if (out_used) return Pull::operation;
+      continue;
+    }
     const Step result = step();
     if (pipeline.active()) pipeline.take(*this);
     if (finished) frames.clear();  // the program is left: files are closed, a drip-feed is told
@@ -149,9 +161,11 @@ void Executor::reset(const AxisVector& machine_position) {
   queue.clear();
   queue_head = 0;
   cancel_compensation();
+  cycle.clear();
   finished = true;
   if (dialect.reset_clears || data.bit(dialect.reset_clears_parameter)) power_on();
   spindle_direction = SpindleDirection::stop;
+  tool_life::leave(*this);
   if (own) own->reset(*this);
   set_position(machine_position);
 }
@@ -178,11 +192,15 @@ AxisVector Executor::to_work(const AxisVector& machine_position, const ModalSnap
 }
 
 bool Executor::alarm(AlarmReason reason, std::uint32_t column, std::string detail) {
+  return alarm_code(dialect.alarm_code(reason), column, std::move(detail));
+}
+
+bool Executor::alarm_code(std::string_view number, std::uint32_t column, std::string detail) {
   if (finished) return false;
   auto& raised = emit<Alarm>();
   raised.at = at;
   raised.at.column = column;
-  raised.code = dialect.alarm_code(reason);
+  raised.code = number;
   raised.detail = std::move(detail);
   finished = true;
   return false;

@@ -33,6 +33,9 @@ void Interpreter::set_position(const AxisVector& machine_position) {
 void Interpreter::skip_ended(const AxisVector& machine_position, bool triggered) {
   executor_->skip_ended(machine_position, triggered);
 }
+void Interpreter::tool_cut_for(double seconds) {
+  tool_life::cut_for(*executor_, seconds);
+}
 const ModalSnapshot& Interpreter::modal() const {
   return executor_->modal;
 }

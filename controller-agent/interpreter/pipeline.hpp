@@ -51,6 +51,10 @@ class Pipeline {
   bool active() const { return active_; }
   /// Whether G41/G42 displaces the path now.
   bool compensating() const { return on_; }
+  /// Whether a motion waits for the next one because of a chamfer, a round or an open line.
+  bool holds_corner() const { return held_corner_; }
+  /// G41/G42 have no effect from now on (the profile of a roughing cycle is read).
+  void corners_only() { no_compensation_ = true; }
   /// Forgets what is held and the vectors; the path continues where the tool stands.
   void clear();
 

@@ -35,7 +35,7 @@ CompensationMode Pipeline::mode_of(const Executor& ex) const {
   const auto plane = ex.plane_axes();
   mode.first = static_cast<std::uint8_t>(plane.first < 0 ? 0 : plane.first);
   mode.second = static_cast<std::uint8_t>(plane.second < 0 ? 0 : plane.second);
-  if (side_ == 0) return mode;
+  if (side_ == 0 || no_compensation_) return mode;
   const auto& rules = ex.dialect.compensation;
   const std::int64_t number = rules.by_d ? d_number : ex.modal.offset;
   mode.again = again_;
