@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compensation/rules.hpp"
 #include "dialects/alarm_reason.hpp"
 #include "dialects/mode_rules.hpp"
 #include "dialects/tool_life_rules.hpp"
@@ -172,6 +173,9 @@ struct Dialect {
   ThreadRules threads;
   CallRules calls;
   ToolRules tools;
+  comp::CornerRules corners;
+  comp::CompensationRules compensation;
+  std::string_view compensated_cycle = "G70";  ///< the cycle whose moves are compensated; others drop the vector
   ModeRules modes;
   ToolLifeRules life;
   Repeated repeated_words = Repeated::last_wins;
@@ -182,7 +186,7 @@ struct Dialect {
   BothForms both_forms = BothForms::later_wins;
   EndOfText end_of_text = EndOfText::alarm;
   std::size_t longest_block = 8'192;
-  std::uint32_t corner_words = 0;  ///< letters of chamfers and corner rounds in G01: refused, not ignored
+  std::uint32_t corner_words = 0;  ///< letters of chamfers and corner rounds in G01; see take_corner_words
   bool inner_slash_is_alarm = false;
   bool sub_program_needs_return = false;  ///< a sub-program that ends without M99 is the alarm of nesting
   bool t_refused_with_actions = false;  ///< T may not share a block with G04 G10 G28 G30 G50 G53

@@ -28,6 +28,7 @@ bool Executor::execute() {
     return check_words() && data_input.line(*this);
   if (!check_words() || !take_codes()) return false;
   if (surface.now.kind != SurfaceKind::none && !surface_allows()) return false;
+  if (dialect.compensation.by_d && block.has('D') && !take_d()) return false;
   if (setting_count != 0 && !run_settings()) return false;
   if ((block.words & kFeedSpindleTool) != 0) {
     if (block.has('F') && !take_feed()) return false;
@@ -38,6 +39,7 @@ bool Executor::execute() {
     return false;
   if (block.m_count != 0 && !run_m_codes(false)) return false;
   if (spindle_changed) emit_spindle();
+  if (((block.words & dialect.corner_words) | block.marked) != 0 && !take_corner_words()) return false;
 
   // A move of an axis that the machine does not have must not be left out silently.
   if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters;

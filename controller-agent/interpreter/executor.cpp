@@ -50,6 +50,11 @@ void Executor::set_switches(const Switches& wanted) {
   pocket = decimal == Decimal::pocket;
 
   lex_rules.semicolon_is_comment = switches.lenient;
+  lex_rules.comma_letters =
+      dialect.corners.comma_parameter.empty() || data.parameter(dialect.corners.comma_parameter, 1) != 0
+          ? dialect.corners.comma_letters
+          : 0;
+  lex_rules.named_letters = dialect.corners.named_letters;
   lex_rules.most_digits = switches.lenient ? 17 : numbers.most_digits;
 
   axis_of.fill(-1);
@@ -117,6 +122,7 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   frames.push_back(std::move(frame));
   queue.clear();
   queue_head = 0;
+  cancel_compensation();
   cycle.clear();
   finished = false;
   jumps = 0;
@@ -148,10 +154,12 @@ Pull Executor::next(Operation& wanted) {
         cycle.name = nullptr;
         if (!finished) run_deferred();
       }
+      if (pipeline.active()) pipeline.take(*this);
       if (out_used) return Pull::operation;
       continue;
     }
     const Step result = step();
+    if (pipeline.active()) pipeline.take(*this);
     if (finished) frames.clear();  // the program is left: files are closed, a drip-feed is told
     if (out_used) return Pull::operation;
     if (result == Step::wait) return Pull::wait;
@@ -162,6 +170,7 @@ void Executor::reset(const AxisVector& machine_position) {
   frames.clear();
   queue.clear();
   queue_head = 0;
+  cancel_compensation();
   cycle.clear();
   finished = true;
   clear_modes();
@@ -169,6 +178,14 @@ void Executor::reset(const AxisVector& machine_position) {
   tool_life::leave(*this);
   if (own) own->reset(*this);
   set_position(machine_position);
+}
+
+// A program begins in G40, and RESET leaves it so (0i-D, K2000TC L16153).
+void Executor::cancel_compensation() {
+  pipeline.clear();
+  if (const GCode* cancel = table->find(400); cancel != nullptr && cancel->group != 0) {
+    modal.g[cancel->group] = cancel->tenths;
+  }
 }
 
 void Executor::set_position(const AxisVector& machine_position) {

@@ -290,14 +290,11 @@ bool Executor::cutting_feed(double path_mm, double& value, FeedUnit& unit) {
 }
 
 bool Executor::feed() {
-  if (const std::uint32_t corner = block.words & dialect.corner_words & ~axis_letters;
-      corner != 0 && code->handler != nullptr && code->tenths == 10) {
-    const char letter = static_cast<char>('A' + std::countr_zero(corner));
-    return alarm(AlarmReason::g_unavailable, block[letter].column, std::string("G01 ") + letter);
-  }
   const AxisVector from = machine_now;
   std::uint32_t moved = 0;
-  if (!take_targets(moved) || !axes_at_once(moved)) return false;
+  if (!take_targets(moved)) return false;
+  if (block.marked != 0 && !take_angle(moved)) return false;
+  if (!axes_at_once(moved)) return false;
   if (moved == 0) return true;
   if (one_digit_rapid) {
     auto& motion = emit<Rapid>();
