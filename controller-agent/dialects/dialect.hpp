@@ -114,6 +114,7 @@ struct NumberRules {
   double feed_per_revolution_unit_mm = 0.0001;
   double feed_per_revolution_unit_inch = 0.000001;
   std::string_view coarse_increment_parameter, fine_increment_parameter;  ///< bits: IS-A, IS-C
+  std::string_view linear_decimals_parameter, rotary_decimals_parameter;  ///< value: decimals of mm, degrees
   double power_on_feed_mm_min = -1;  ///< F in force before the first F word; < 0: none
   std::uint32_t addresses = 0;       ///< letters a program may use (see program::letters)
   std::uint32_t pointed = 0;         ///< of these: may have a decimal point
@@ -125,9 +126,9 @@ struct ArcRules {
   std::string_view tolerance_parameter = {};
   bool negative_r = true;
   bool r_and_center_is_alarm = false;
-  bool feed_on_arc = false;  ///< F of a helix counts along the arc, not along the path
+  bool feed_on_arc = false;                      ///< F of a helix counts along the arc, not along the path
   std::string_view feed_on_path_parameter = {};  ///< bit: along the path after all
-  bool closed_by_r_is_alarm = false;  ///< start = end with R: an alarm instead of no motion
+  bool closed_by_r_is_alarm = false;             ///< start = end with R: an alarm instead of no motion
 };
 
 struct ThreadRules {
@@ -154,7 +155,7 @@ struct ToolRules {
   std::string_view offset_digits_parameter = {};
   std::string_view geometry_by_tool_parameter = {};
   bool short_form = false;  ///< T with no more digits than the offset has: tool and offset of that number
-  double sign = 1;  ///< +1: machine = work + zero + offset; -1: the offset is subtracted
+  double sign = 1;          ///< +1: machine = work + zero + offset; -1: the offset is subtracted
   std::size_t most_offsets = 99;
 };
 
@@ -189,8 +190,8 @@ struct Dialect {
   std::uint32_t corner_words = 0;  ///< letters of chamfers and corner rounds in G01; see take_corner_words
   bool inner_slash_is_alarm = false;
   bool sub_program_needs_return = false;  ///< a sub-program that ends without M99 is the alarm of nesting
-  bool t_refused_with_actions = false;  ///< T may not share a block with G04 G10 G28 G30 G50 G53
-  bool reset_clears = false;            ///< RESET brings the power-on codes back
+  bool t_refused_with_actions = false;    ///< T may not share a block with G04 G10 G28 G30 G50 G53
+  bool reset_clears = false;              ///< RESET brings the power-on codes back
   std::string_view reset_clears_parameter;
   bool local_per_system = false;          ///< G52 belongs to the coordinate system it was given in
   int first_g10_work = 1;                 ///< G10 L2 P of G54
