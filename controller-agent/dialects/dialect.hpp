@@ -81,6 +81,7 @@ enum class MAction : std::uint8_t {
 struct MRule {
   std::int32_t code = 0;
   MAction action = MAction::machine;
+  std::int32_t last = 0;  ///< a range: code…last; 0: the one code
 };
 
 enum class Decimal : std::uint8_t {
@@ -102,6 +103,7 @@ struct NumberRules {
   Decimal decimal = Decimal::standard;
   std::string_view decimal_parameter = {};  ///< bit that chooses: empty when there is none
   Decimal decimal_when_set = Decimal::pocket;
+  std::string_view standard_when_clear_parameter = {};  ///< bit, 1 unless set: 0 chooses standard
   Rounding rounding = Rounding::half_up;
   std::uint8_t most_digits = 9;                ///< typed in one word
   std::int64_t most_increments = 999'999'999;  ///< after conversion to least increments
@@ -121,9 +123,9 @@ struct ArcRules {
   std::string_view tolerance_parameter = {};
   bool negative_r = true;
   bool r_and_center_is_alarm = false;
-  bool feed_on_arc = false;  ///< F of a helix counts along the arc, not along the path
+  bool feed_on_arc = false;                      ///< F of a helix counts along the arc, not along the path
   std::string_view feed_on_path_parameter = {};  ///< bit: along the path after all
-  bool closed_by_r_is_alarm = false;  ///< start = end with R: an alarm instead of no motion
+  bool closed_by_r_is_alarm = false;             ///< start = end with R: an alarm instead of no motion
 };
 
 struct ThreadRules {
@@ -133,6 +135,8 @@ struct ThreadRules {
   bool f_is_feed_too = false;  ///< F stays in force for G01 after the thread; otherwise F must be given again
   double q_unit_deg = 0.001;   ///< of the start angle Q
   char change_word = 'K';      ///< G34: lead change a revolution
+  bool first_lead_changed = false;  ///< G34: the first turn's lead is F plus the change already
+  bool runout = false;              ///< J and K of G32: the tool leaves the thread before its end
   double most_lead_mm = 500;
 };
 
@@ -149,7 +153,7 @@ struct ToolRules {
   std::string_view offset_digits_parameter = {};
   std::string_view geometry_by_tool_parameter = {};
   bool short_form = false;  ///< T with no more digits than the offset has: tool and offset of that number
-  double sign = 1;  ///< +1: machine = work + zero + offset; -1: the offset is subtracted
+  double sign = 1;          ///< +1: machine = work + zero + offset; -1: the offset is subtracted
   std::size_t most_offsets = 99;
 };
 
@@ -178,11 +182,12 @@ struct Dialect {
   BothForms both_forms = BothForms::later_wins;
   EndOfText end_of_text = EndOfText::alarm;
   std::size_t longest_block = 8'192;
-  std::uint32_t corner_words = 0;  ///< letters of chamfers and corner rounds in G01: refused, not ignored
+  std::uint32_t corner_words = 0;    ///< letters of chamfers and corner rounds in G01: refused, not ignored
+  bool reversal_needs_stop = false;  ///< M03 after M04 without M05 between them is an alarm
   bool inner_slash_is_alarm = false;
   bool sub_program_needs_return = false;  ///< a sub-program that ends without M99 is the alarm of nesting
-  bool t_refused_with_actions = false;  ///< T may not share a block with G04 G10 G28 G30 G50 G53
-  bool reset_clears = false;            ///< RESET brings the power-on codes back
+  bool t_refused_with_actions = false;    ///< T may not share a block with G04 G10 G28 G30 G50 G53
+  bool reset_clears = false;              ///< RESET brings the power-on codes back
   std::string_view reset_clears_parameter;
   bool local_per_system = false;          ///< G52 belongs to the coordinate system it was given in
   int first_g10_work = 1;                 ///< G10 L2 P of G54
@@ -211,7 +216,7 @@ struct Dialect {
   const GTable& table(char system) const { return systems[system == 'C' ? 2 : system == 'B' ? 1 : 0]; }
   MAction m_action(std::int32_t code) const {
     for (const MRule& rule : m_rules) {
-      if (rule.code == code) return rule.action;
+      if (rule.code == code || (code > rule.code && code <= rule.last)) return rule.action;
     }
     return MAction::machine;
   }
