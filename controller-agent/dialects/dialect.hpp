@@ -85,6 +85,7 @@ enum class MAction : std::uint8_t {
 struct MRule {
   std::int32_t code = 0;
   MAction action = MAction::machine;
+  std::int32_t last = 0;  ///< a range: code…last; 0: the one code
 };
 
 enum class Decimal : std::uint8_t {
@@ -106,6 +107,7 @@ struct NumberRules {
   Decimal decimal = Decimal::standard;
   std::string_view decimal_parameter = {};  ///< bit that chooses: empty when there is none
   Decimal decimal_when_set = Decimal::pocket;
+  std::string_view standard_when_clear_parameter = {};  ///< bit, 1 unless set: 0 chooses standard
   Rounding rounding = Rounding::half_up;
   std::uint8_t most_digits = 9;                ///< typed in one word
   std::int64_t most_increments = 999'999'999;  ///< after conversion to least increments
@@ -139,6 +141,8 @@ struct ThreadRules {
   double q_unit_deg = 0.001;   ///< of the start angle Q
   std::string_view q_parameter = {};  ///< bit: Q may be given; empty: always
   char change_word = 'K';      ///< G34: lead change a revolution
+  bool first_lead_changed = false;  ///< G34: the first turn's lead is F plus the change already
+  bool runout = false;              ///< J and K of G32: the tool leaves the thread before its end
   double most_lead_mm = 500;
 };
 
@@ -188,6 +192,7 @@ struct Dialect {
   EndOfText end_of_text = EndOfText::alarm;
   std::size_t longest_block = 8'192;
   std::uint32_t corner_words = 0;  ///< letters of chamfers and corner rounds in G01; see take_corner_words
+  bool reversal_needs_stop = false;  ///< M03 after M04 without M05 between them is an alarm
   bool inner_slash_is_alarm = false;
   bool sub_program_needs_return = false;  ///< a sub-program that ends without M99 is the alarm of nesting
   bool t_refused_with_actions = false;    ///< T may not share a block with G04 G10 G28 G30 G50 G53
@@ -221,7 +226,7 @@ struct Dialect {
   const GTable& table(char system) const { return systems[system == 'C' ? 2 : system == 'B' ? 1 : 0]; }
   MAction m_action(std::int32_t code) const {
     for (const MRule& rule : m_rules) {
-      if (rule.code == code) return rule.action;
+      if (rule.code == code || (code > rule.code && code <= rule.last)) return rule.action;
     }
     return MAction::machine;
   }

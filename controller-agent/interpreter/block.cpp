@@ -99,8 +99,8 @@ bool Executor::check_words() {
     return alarm(AlarmReason::minus_sign, b[letter].column, std::string(1, letter));
   }
   if (b.repeated == 0 && b.inner_slash == 0) return true;
-  const bool refused =
-      dialect.repeated_words == dialects::Repeated::alarm || data.bit(dialect.repeated_alarm_parameter);
+  const double refused_by_itself = dialect.repeated_words == dialects::Repeated::alarm ? 1 : 0;
+  const bool refused = data.parameter(dialect.repeated_alarm_parameter, refused_by_itself) != 0;
   if (b.repeated != 0 && refused && !switches.lenient) {
     if (const std::uint32_t wrong = b.repeated & ~dialect.may_repeat; wrong != 0) {
       const char letter = lowest_letter(wrong);
@@ -224,6 +224,9 @@ bool Executor::run_m_codes(bool after_motion) {
       case MAction::spindle_cw:
       case MAction::spindle_ccw:
         if (!after_motion) {
+          const auto opposite = what == MAction::spindle_cw ? SpindleDirection::ccw : SpindleDirection::cw;
+          if (dialect.reversal_needs_stop && spindle_direction == opposite)
+            return alarm(AlarmReason::spindle_reversed, block.m[i], 'M');
           spindle_direction = what == MAction::spindle_cw ? SpindleDirection::cw : SpindleDirection::ccw;
           spindle_changed = true;
         }

@@ -45,6 +45,7 @@ void Executor::set_switches(const Switches& wanted) {
 
   using dialects::Decimal;
   Decimal decimal = data.bit(numbers.decimal_parameter) ? numbers.decimal_when_set : numbers.decimal;
+  if (data.parameter(numbers.standard_when_clear_parameter, 1) == 0) decimal = Decimal::standard;
   if (switches.decimal_point == DecimalPoint::standard) decimal = Decimal::standard;
   if (switches.decimal_point == DecimalPoint::pocket || switches.lenient) decimal = Decimal::pocket;
   pocket = decimal == Decimal::pocket;

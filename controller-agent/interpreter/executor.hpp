@@ -212,6 +212,7 @@ struct Executor {
   double dwell_units_a_second() const;
 
   bool thread(bool variable);
+  bool thread_runout(const Thread& whole_thread, const AxisVector& from);
 
   // ---- words with a meaning of their own (feed_spindle.cpp, tool.cpp)
   bool take_feed();
@@ -250,6 +251,13 @@ struct Executor {
       return out->emplace<T>();
     }
     return std::get<T>(queue.emplace_back(std::in_place_type<T>));
+  }
+  /// The operation emitted last is not to be: something else takes its place.
+  void take_back() {
+    if (queue.size() > queue_head)
+      queue.pop_back();
+    else
+      out_used = false;
   }
   /// Raises the controller's alarm; the program is over. Always returns false.
   bool alarm(AlarmReason reason, std::uint32_t column, std::string detail = {});
