@@ -37,6 +37,7 @@ struct CornerRequest {
 
 /// The compensation in force when a block was read.
 struct CompensationMode {
+  bool asked = false;  ///< G41 or G42 is in force
   bool wanted = false;                 ///< G41 or G42 with an offset number
   double radius = 0;                   ///< signed [mm]: > 0 left of the path
   comp::Point tip;                     ///< from the nose centre to the imaginary tip [mm]
@@ -123,6 +124,7 @@ class Pipeline {
              std::string detail);
 
   bool active_ = false;
+  bool no_compensation_ = false;
   bool stopped_ = false;   ///< an alarm was raised here
   AxisVector position_{};  ///< end of the last motion read, as programmed
   std::vector<Operation> incoming_;
