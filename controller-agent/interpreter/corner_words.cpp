@@ -25,6 +25,8 @@ bool Executor::take_corner_words() {
   const std::int16_t mode = action != nullptr ? std::int16_t{-1} : motion_code->tenths;
   const bool straight = mode == kG01;
   const bool round = mode == kG02 || mode == kG03;
+  // Where N marks letters (K2000TC) other codes have marked words of their own.
+  if (!straight && !(round && rules.arcs) && rules.named_letters != 0) return true;
   std::uint32_t marked = block.marked;
   const bool bare = data.bit(rules.bare_parameter);
   if (marked != 0) {

@@ -106,6 +106,10 @@ void Pipeline::take(Executor& ex) {
   ex.queue_head = 0;
   ex.out_used = false;
 
+  // Polar and cylindrical interpolation hand on moves of the machine's axes: no contour to run beside.
+  if (side_ != 0 && ex.surface.now.kind != SurfaceKind::none) {
+    raise(ex, AlarmReason::compensation_refused, ex.at, 0, {});
+  }
   const CompensationMode mode = mode_of(ex);
   bool moved = false;
   for (Operation& op : incoming_) {

@@ -115,7 +115,7 @@ std::vector<Piece> as_programmed(const std::vector<Piece>& contour) {
   return out;
 }
 
-Run run(const std::string& program, double radius, const std::string& parameters) {
+Made run(const std::string& program, double radius, const std::string& parameters) {
   const dialects::Dialect* dialect = dialects::find("fanuc-0i-m");
   const machine::Machine machine = *machine::default_machine("fanuc-0i-m");
   interp::MachineData data;
@@ -124,7 +124,7 @@ Run run(const std::string& program, double radius, const std::string& parameters
   interp::load_parameters(parameters, data);
   interp::Interpreter interpreter(*dialect, machine, data, nullptr);
   interpreter.start(program::source_from_text(program), {});
-  Run result;
+  Made result;
   Xy at;
   const auto add = [&](const interp::Motion& m, Piece piece) {
     piece.from = at;

@@ -33,12 +33,12 @@ std::string block(const Piece& piece);
 /// The piece as the control reads it: end points rounded to 0.001, the centre from rounded I J.
 std::vector<Piece> as_programmed(const std::vector<Piece>& contour);
 
-struct Run {
+struct Made {
   std::vector<Piece> path;      ///< motions of the tool's centre, in order
   std::vector<unsigned> lines;  ///< source line of each
   std::string alarm;            ///< code; empty: none
 };
 /// Interprets the program on a mill whose tool 1 has the radius.
-Run run(const std::string& program, double radius, const std::string& parameters = "{}");
+Made run(const std::string& program, double radius, const std::string& parameters = "{}");
 
 }  // namespace headstock::reference
