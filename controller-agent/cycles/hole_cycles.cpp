@@ -401,7 +401,6 @@ bool hole_cycle(Executor& ex) {
   }
   if ((b.words & (ex.axis_letters | program::letter_bit('R'))) == 0) return true;  // nothing to drill
 
-  const interp::HoleWords before = words;
   if (!take_levels(ex, rules, name) || !take_counts(ex, rules)) return false;
   Target target;
   for (std::uint32_t mask = b.words & ex.axis_letters; mask != 0; mask &= mask - 1) {
@@ -413,6 +412,10 @@ bool hole_cycle(Executor& ex) {
     if (by) target.incremental |= 1u << i;
     target.step[i] =
         static_cast<double>(ex.round_to(ex.nano(b.word[letter], ex.axes[i].increment), ex.axes[i].increment));
+  }
+  for (const char letter : {'I', 'J'}) {  // small-hole pecking, shifts by I and J
+    if (rules.holes == HoleFamily::mill && b.has(letter))
+      return fail(ex, rules, Fault::unfinished, letter, std::string(code->name) + ' ' + letter);
   }
   const std::int64_t times = repeats(ex, rules);
   if (times < 0) return false;
