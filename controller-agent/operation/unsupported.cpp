@@ -16,6 +16,9 @@ constexpr MachineAlarm kAuxiliary{"HS0002", "Second auxiliary function is not wi
 constexpr MachineAlarm kTap{"HS0002", "Synchronous tapping is not carried out by this motion control",
                             "本运动控制不执行同步攻丝"};
 
+constexpr MachineAlarm kPolygon{"HS0002", "Polygon turning: this machine has no driven tool axis",
+                                "本机没有多边形车削的刀具轴"};
+
 }  // namespace
 
 std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation) {
@@ -26,6 +29,9 @@ std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation
     return kStroke;
   if (const auto* watch = std::get_if<interp::SpindleWatch>(&operation); watch != nullptr && watch->on)
     return kWatch;
+  if (const auto* polygon = std::get_if<interp::PolygonTurning>(&operation);
+      polygon != nullptr && polygon->on)
+    return kPolygon;
   if (std::holds_alternative<interp::SecondAuxiliary>(operation)) return kAuxiliary;
   if (std::holds_alternative<interp::Tap>(operation)) return kTap;
   return std::nullopt;
