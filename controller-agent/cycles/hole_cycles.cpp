@@ -467,9 +467,6 @@ bool hole_cycle(Executor& ex) {
   if (hole.kind.in == HoleIn::up ? same_way : false) return fail(ex, rules, Fault::hole_depth, name);
   if (hole.kind.tap != HoleTap::none && !prepare_tap(ex, rules, *code, hole)) return false;
   if (!(hole.synchronous && rules.holes == HoleFamily::k2000) && !check_feed(ex)) return false;
-  // A position that is given step by step and drilled at once must not drill where the tool stands when the
-  // block only gave levels: it does, as the controls do; a block without any hole data never comes here.
-  (void)before;
   ex.cycle.name = code->name;
   ex.cycle.starts_cycle = true;
   std::array<std::size_t, 2> plane{0, 0};
