@@ -401,7 +401,6 @@ bool hole_cycle(Executor& ex) {
   }
   if ((b.words & (ex.axis_letters | program::letter_bit('R'))) == 0) return true;  // nothing to drill
 
-  const interp::HoleWords before = words;
   if (!take_levels(ex, rules, name) || !take_counts(ex, rules)) return false;
   Target target;
   for (std::uint32_t mask = b.words & ex.axis_letters; mask != 0; mask &= mask - 1) {
@@ -413,6 +412,10 @@ bool hole_cycle(Executor& ex) {
     if (by) target.incremental |= 1u << i;
     target.step[i] =
         static_cast<double>(ex.round_to(ex.nano(b.word[letter], ex.axes[i].increment), ex.axes[i].increment));
+  }
+  for (const char letter : {'I', 'J'}) {  // small-hole pecking, shifts by I and J
+    if (rules.holes == HoleFamily::mill && b.has(letter))
+      return fail(ex, rules, Fault::unfinished, letter, std::string(code->name) + ' ' + letter);
   }
   const std::int64_t times = repeats(ex, rules);
   if (times < 0) return false;
@@ -464,9 +467,6 @@ bool hole_cycle(Executor& ex) {
   if (hole.kind.in == HoleIn::up ? same_way : false) return fail(ex, rules, Fault::hole_depth, name);
   if (hole.kind.tap != HoleTap::none && !prepare_tap(ex, rules, *code, hole)) return false;
   if (!(hole.synchronous && rules.holes == HoleFamily::k2000) && !check_feed(ex)) return false;
-  // A position that is given step by step and drilled at once must not drill where the tool stands when the
-  // block only gave levels: it does, as the controls do; a block without any hole data never comes here.
-  (void)before;
   ex.cycle.name = code->name;
   ex.cycle.starts_cycle = true;
   std::array<std::size_t, 2> plane{0, 0};
