@@ -252,13 +252,6 @@ struct Executor {
     }
     return std::get<T>(queue.emplace_back(std::in_place_type<T>));
   }
-  /// The operation emitted last is not to be: something else takes its place.
-  void take_back() {
-    if (queue.size() > queue_head)
-      queue.pop_back();
-    else
-      out_used = false;
-  }
   /// Raises the controller's alarm; the program is over. Always returns false.
   bool alarm(AlarmReason reason, std::uint32_t column, std::string detail = {});
   bool alarm(AlarmReason reason, const program::Code& code, char letter);
