@@ -32,6 +32,11 @@ void set_alarm_codes(Dialect& dialect, std::string_view otherwise,
 /// What FANUC-like lathes share: M03…M05, M00…M02, M30, M98, M99.
 std::vector<MRule> usual_m_rules();
 
+/// The macro language and variables of a dialect, and their alarm numbers. After `tools` and the other alarms.
+void add_fanuc_macros(Dialect& dialect);
+void add_gsk_2000tc_macros(Dialect& dialect);
+void add_gsk_218t_macros(Dialect& dialect);
+
 Dialect make_fanuc_0i_t();
 Dialect make_fanuc_0i_m();
 Dialect make_gsk_2000tc();

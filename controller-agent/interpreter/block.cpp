@@ -17,6 +17,27 @@ constexpr std::uint32_t kFeedSpindleTool = letters("FST");
 }  // namespace
 
 bool Executor::execute() {
+  if (macros != nullptr) {
+    motions_before = motions;
+    move_calls = !frames.back().macro.modal_calls.empty();
+    bool taken = false;
+    if ((block.g_count | block.m_count) != 0 || macros->calls_by_code) {
+      if (!take_calls(taken)) return false;
+      if (taken) return true;
+    }
+  }
+  const bool good = execute_words();
+  if (macros == nullptr) return good;
+  if (!good) {
+    sub_call = nullptr;
+    return false;
+  }
+  if (sub_call != nullptr && !run_pending_call()) return false;
+  if (!finished) remember_modal_values();
+  return true;
+}
+
+bool Executor::execute_words() {
   if (!check_words() || !take_codes()) return false;
   if (setting_count != 0 && !run_settings()) return false;
   if ((block.words & kFeedSpindleTool) != 0) {
@@ -50,8 +71,9 @@ bool Executor::execute() {
     code = motion_code;
     if (!motion_code->handler(*this)) return false;
   }
-  if (block.m_count == 0) return true;
-  return run_m_codes(true) && run_program_flow();
+  if (block.m_count != 0 && !(run_m_codes(true) && run_program_flow())) return false;
+  if (move_calls && motions != motions_before && !finished) return call_modal();
+  return true;
 }
 
 bool Executor::check_words() {
@@ -235,6 +257,11 @@ bool Executor::run_program_flow() {
         if (block.has('P')) {
           sequence = whole('P', AlarmReason::sequence_not_found);
           if (sequence < 0) return false;
+        }
+        if (move_calls && motions != motions_before) {  // the call first, then the return (0i-D L18869)
+          frames.back().macro.returns_after_call = true;
+          frames.back().macro.returns_to = sequence;
+          break;
         }
         if (frames.size() > 1) return return_from_sub(sequence, column);
         if (sequence >= 0) return jump_to_sequence(sequence, column);

@@ -34,6 +34,7 @@ struct ModalSnapshot {
   std::int32_t tool = 0;     ///< tool number as programmed
   std::int32_t offset = 0;   ///< offset number in force
   double feed = 0;           ///< F as programmed, in the unit of the feed group
+  std::uint32_t macro_control = 0;  ///< #3003, and #3004 from bit 4 on: what the operator's keys may not do
   double spindle_speed = 0;  ///< S as programmed: rpm, or m/min (ft/min) under constant surface speed
   AxisVector
       work_zero{};    ///< machine coordinate of the active workpiece zero incl. tool offset [mm], radius on X
@@ -123,10 +124,18 @@ struct MCode {
   bool after_motion = false;
 };
 
+enum class MessageKind : std::uint8_t {
+  show,   ///< for the operator: #3006, comments
+  print,  ///< DPRNT, BPRNT: bytes for the output device, in the code of the program (not yet ISO or EIA)
+  open,   ///< POPEN: connect, DC2
+  close   ///< PCLOS: DC4, disconnect
+};
+
 /// #3006, comments to show, DPRNT output.
 struct Message {
   SourcePosition at;
   std::string text;
+  MessageKind kind = MessageKind::show;
 };
 
 /// M00/M01: wait for cycle start.

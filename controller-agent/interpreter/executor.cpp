@@ -10,6 +10,7 @@ using program::letters;
 
 // Letters that name axes, and on a lathe the letters of their increments.
 constexpr std::string_view kAxisNames = "XYZABCUVW";
+constexpr std::uint32_t kStepsBetweenQuestions = 1'024;
 constexpr std::string_view kIncrementOf = "XUYVZWCH";  // pairs: axis, its increment
 
 }  // namespace
@@ -25,6 +26,11 @@ Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& mac
   }
   plane = dialect.tools.lathe ? Plane::zx : Plane::xy;
   queue.reserve(8);
+  if (dialect.macros != nullptr) {
+    macros = std::make_unique<MacroState>(*this, *dialect.macros, data.common_variables, dialect.tools.lathe);
+    lex_rules.expressions = &macros->words;
+    macros->variables.power_on();
+  }
   modal.g.fill(-1);
   set_units(false);
   set_switches({});
@@ -99,14 +105,24 @@ void Executor::power_on() {
 }
 
 void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& machine_position) {
-  frames.clear();
-  Frame frame;
-  frame.reader = std::make_unique<program::BlockReader>(std::move(main), dialect.longest_block);
-  frames.push_back(std::move(frame));
+  leave_program();
+  push_program(std::move(main), 0, 1);
+  if (macros != nullptr) {
+    macros->programs.clear();
+    macros->interruption_on_now = false;
+    read_macro_parameters();
+    frames.back().macro.locals = std::make_shared<macro::LocalSet>();
+    macros->variables.locals = frames.back().macro.locals.get();
+    macros->history = {};
+    macros->skip_position = machine_position;
+  }
+  sub_call = nullptr;
+  barrier = awaits_standstill = false;
+  at_standstill = true;
   queue.clear();
   queue_head = 0;
   finished = false;
-  jumps = 0;
+  jumps = idle_jumps = 0;
   at = {};
   linear_rapid = data.bit(dialect.linear_rapid_parameter);
   update_zeros();
@@ -116,6 +132,10 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
 Pull Executor::next(Operation& wanted) {
   out = &wanted;
   out_used = false;
+  if (awaits_standstill) {  // asked again: everything has been carried out
+    awaits_standstill = false;
+    at_standstill = true;
+  }
   for (;;) {
     if (queue_head < queue.size()) {
       wanted = std::move(queue[queue_head++]);
@@ -127,20 +147,58 @@ Pull Executor::next(Operation& wanted) {
     }
     if (finished) return Pull::finished;
     const Step result = step();
-    if (finished) frames.clear();  // the program is left: files are closed, a drip-feed is told
+    if (macros != nullptr && macros->variables.has_changes() && (out_used || finished || result != Step::done))
+      flush_changes();
+    if (finished) leave_program();  // files are closed, a drip-feed is told
     if (out_used) return Pull::operation;
     if (result == Step::wait) return Pull::wait;
+    if (result == Step::standstill) {
+      awaits_standstill = true;
+      return Pull::standstill;
+    }
+    if (macros == nullptr || ++macros->steps % kStepsBetweenQuestions != 0) continue;
+    if (macros->environment->wants_stop()) {
+      finished = true;
+      leave_program();
+      flush_changes();
+      return Pull::finished;
+    }
+    if (macros->environment->wants_pause()) return Pull::pause;
   }
 }
 
-void Executor::reset(const AxisVector& machine_position) {
+void Executor::leave_program() {
+  if (macros != nullptr) macros->variables.forget_locals();
   frames.clear();
+}
+
+// Variables are stored when something comes out: a loop that counts up is one change.
+void Executor::flush_changes() {
+  for (const auto& [number, before] : macros->variables.take_changes())
+    report_change("variable/" + std::to_string(number), before, data.common_variables.get(number));
+}
+
+void Executor::reset(const AxisVector& machine_position) {
+  leave_program();
   queue.clear();
   queue_head = 0;
   finished = true;
+  if (macros != nullptr) {
+    reset_variables();
+    flush_changes();
+  }
   if (dialect.reset_clears || data.bit(dialect.reset_clears_parameter)) power_on();
   spindle_direction = SpindleDirection::stop;
   set_position(machine_position);
+}
+
+void Executor::reset_variables() {
+  const macro::Rules& rules = macros->rules;
+  const bool kept = data.bit(rules.keep_volatile_parameter) ||
+                    (!rules.clear_volatile_parameter.empty() && !data.bit(rules.clear_volatile_parameter));
+  if (!kept) macros->variables.clear_volatile();
+  macros->control = modal.macro_control = 0;
+  macros->interruption_on_now = false;
 }
 
 void Executor::set_position(const AxisVector& machine_position) {

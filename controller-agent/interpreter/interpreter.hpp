@@ -17,6 +17,10 @@ namespace headstock::dialects {
 struct Dialect;
 }
 
+namespace headstock::macro {
+class Environment;
+}
+
 namespace headstock::interp {
 
 struct Executor;
@@ -36,11 +40,17 @@ struct Switches {
   bool lenient = false;     ///< field files: `;` comments, no O/%, bare numbers as mm
   char gcode_system = 'A';  ///< A, B or C (fanuc-0i-t)
   DecimalPoint decimal_point = DecimalPoint::as_machine;
+  /// Jumps without motion, dwell, stop or M code before a program is called endless (HS0001). A loop that
+  /// assigns nothing and looks at nothing is endless after a hundred thousand.
+  std::uint64_t most_jumps = 20'000'000;
 };
 
 enum class Pull {
   operation,  ///< `out` holds the next operation
   wait,       ///< the source has no data yet
+  standstill,  ///< a macro looks at the machine: carry out everything handed out, then ask again. Only with an
+               ///< Environment that takes time
+  pause,       ///< a long calculation lets others have their turn: ask again. Only when the Environment wants it
   finished    ///< the End (or Alarm) operation has already been handed out
 };
 
@@ -55,6 +65,8 @@ class Interpreter {
 
   void set_switches(const Switches& switches);
   void on_data_change(DataChanged callback);
+  /// What macros ask of the running machine. Must outlive the interpreter; nullptr: the offline default.
+  void set_environment(macro::Environment* environment);
 
   /// Starts a main program from its beginning with the modal state in force. The machine stands at
   /// `machine_position`.
@@ -69,6 +81,17 @@ class Interpreter {
 
   /// Where the axes really stand, when a move did not end as programmed (skip, manual intervention, abort).
   void set_position(const AxisVector& machine_position);
+
+  /// The interruption macro (M96 P): to be called between two pulls, with everything handed out carried out or
+  /// dropped, when the interruption signal has come. The axes stand at `machine_position`.
+  /// @return false when no interruption is enabled or one is running: nothing has happened.
+  bool interrupt(const AxisVector& machine_position);
+  /// M96 is in force: the look-ahead takes one block at a time, so that an interruption finds the machine where
+  /// the interpreter is.
+  bool interruption_enabled() const;
+
+  /// Switches of macro statements in force (#3003, and #3004 four bits higher).
+  std::uint32_t macro_control() const;
 
   const ModalSnapshot& modal() const;
   /// Absolute position page for a machine position, under the state in `modal`: programming units, X as

@@ -72,6 +72,7 @@ Dialect make_fanuc_0i_t() {
   d.corner_words = letters("IJKRCA");
   d.t_refused_with_actions = true;  // PS0245
   d.power_on_switches = {{"3402#0", {10, 10, 10}}, {"3402#3", {-1, 910, 910}}, {"3402#4", {980, 940, 940}}};
+  add_fanuc_macros(d);
   d.numbers.addresses = letters("ABCDEFHIJKLPQRSTUVWXYZ");
   d.numbers.pointed = letters("ABCFIJKRUVWXYZE");
   d.numbers.negative = letters("ABCIJKRUVWXYZ");
@@ -94,6 +95,7 @@ Dialect make_fanuc_0i_m() {
                          {"3402#1", {180, 180, 180}},
                          {"3402#2", {190, 190, 190}},
                          {"3402#3", {910, 910, 910}}};
+  add_fanuc_macros(d);
   d.numbers.feed_per_revolution_unit_mm = 0.01;  // FR3(1405#1) = 0
   d.numbers.feed_per_revolution_unit_inch = 0.0001;
   d.numbers.addresses = letters("ABCDEFHIJKLPQRSTUVWXYZ");

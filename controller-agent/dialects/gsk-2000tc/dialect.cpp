@@ -71,6 +71,7 @@ Dialect make_gsk_2000tc() {
   d.m99_main_counts_part = true;      // L7412
   d.linear_rapid_parameter = "S172.0";
   d.dwell_turns_parameter = "S212.7";
+  add_gsk_2000tc_macros(d);
   return d;
 }
 
