@@ -181,6 +181,15 @@ void JsonLines::append(const interp::Operation& operation, std::string& out) con
           r.begin("m", op.at);
           r.count("code", op.code);
           if (op.after_motion) r.truth("after_motion", true);
+          if (op.delay_s != 0) r.value("delay", op.delay_s);
+          if (op.at_axis >= 0) {
+            r.count("at_axis", op.at_axis);
+            r.value("at", op.at_position);
+          }
+          if (op.input != 0) {
+            r.count("input", op.input);
+            r.truth("input_level", op.input_level);
+          }
         } else if constexpr (std::is_same_v<T, interp::Message>) {
           r.begin("message", op.at);
           r.word("text", op.text);

@@ -99,35 +99,48 @@ nlohmann::ordered_json to_json(const Listing& listing) {
   return out;
 }
 
-// Done and missing codes of the dialect's tables, as this build of the interpreter carries them out.
+// Every code of the catalogue by its state.
 nlohmann::ordered_json coverage_of(std::string_view profile) {
-  const auto split = [](const auto& codes, const auto& name) {
-    nlohmann::ordered_json done = nlohmann::ordered_json::array(), missing = nlohmann::ordered_json::array();
-    for (const auto& code : codes) (code.done ? done : missing).push_back(std::string(name(code)));
-    nlohmann::ordered_json counts = {{"total", codes.size()}, {"done", done.size()}};
-    return nlohmann::ordered_json{{"counts", counts}, {"done", done}, {"missing", missing}};
-  };
-  return {{"profile", std::string(profile)},
-          {"gcodes", split(gcode_states(profile), [](const GCodeState& g) { return g.name(); })},
-          {"mcodes", split(mcode_states(profile), [](const MCodeState& m) { return m.code; })},
-          {"note", "alarms and parameters are not measured yet"}};
+  nlohmann::ordered_json out = {{"profile", std::string(profile)}};
+  for (const CoverageOf& part : coverage(profile)) {
+    auto done = nlohmann::ordered_json::array(), off = done, missing = done;
+    for (const Covered& item : part.items) {
+      const std::string code(item.code);
+      if (item.state == State::off_panel)
+        off.push_back({{"code", code}, {"reason", std::string(item.reason)}});
+      else
+        (item.state == State::done ? done : missing).push_back(code);
+    }
+    out[std::string(part.kind)] = {{"counts",
+                                    {{"total", part.items.size()},
+                                     {"done", done.size()},
+                                     {"off_panel", off.size()},
+                                     {"missing", missing.size()}}},
+                                   {"done", done},
+                                   {"off_panel", off},
+                                   {"missing", missing}};
+  }
+  return out;
 }
 
-void print_coverage(const nlohmann::ordered_json& coverage) {
-  for (const char* kind : {"gcodes", "mcodes"}) {
-    const auto& part = coverage[kind];
-    std::cout << kind << ": " << part["counts"]["done"] << " of " << part["counts"]["total"]
-              << " done\n  missing:";
-    for (const auto& code : part["missing"]) std::cout << ' ' << code.get<std::string>();
+void print_coverage(std::string_view profile) {
+  for (const CoverageOf& part : coverage(profile)) {
+    std::cout << part.kind << ": " << part.items.size() << ", done " << part.count(State::done)
+              << ", off the panel " << part.count(State::off_panel) << ", missing "
+              << part.count(State::missing) << '\n';
+    if (part.count(State::missing) == 0) continue;
+    std::cout << "  missing:";
+    for (const Covered& item : part.items)
+      if (item.state == State::missing) std::cout << ' ' << item.code;
     std::cout << '\n';
   }
-  std::cout << coverage["note"].get<std::string>() << '\n';
 }
 
 struct Options {
   std::string profile;
   std::array<bool, kChoices.size()> wanted{};
   bool coverage = false;
+  bool page = false;
   bool json = false;
 };
 
@@ -152,11 +165,12 @@ int run(const Options& options) {
   }
   if (options.coverage) {
     any = true;
-    const auto coverage = coverage_of(options.profile);
     if (options.json)
-      json["coverage"] = coverage;
+      json["coverage"] = coverage_of(options.profile);
+    else if (options.page)
+      std::cout << coverage_page(options.profile);
     else
-      print_coverage(coverage);
+      print_coverage(options.profile);
   }
   if (!any) {  // a summary
     for (const auto& choice : kChoices) {
@@ -183,8 +197,11 @@ void add_profile(CLI::App& app, int& exit_status) {
       ->required();
   for (std::size_t i = 0; i < kChoices.size(); ++i)
     command->add_flag(kChoices[i].option, options->wanted[i], kChoices[i].help);
-  command->add_flag("--coverage", options->coverage,
-                    "G and M codes that this version carries out, and those it refuses");
+  auto* coverage =
+      command->add_flag("--coverage", options->coverage,
+                        "every code, alarm, parameter and variable: done, of the panel only, or missing");
+  command->add_flag("--page", options->page, "with --coverage: the page of the dialect's folder (Markdown)")
+      ->needs(coverage);
   command->add_flag("--json", options->json, "as one JSON object, with every column");
   command->callback([options, &exit_status] { exit_status = run(*options); });
 }

@@ -4,11 +4,13 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "dialects/alarm_reason.hpp"
+#include "interpreter/own_language.hpp"
 #include "machine/machine.hpp"
 
 namespace headstock::macro {
@@ -74,6 +76,7 @@ enum class MAction : std::uint8_t {
   call,
   return_,
   restart,  ///< M96 of 200T: from the head again
+  own,      ///< OwnLanguage::m_code
   unavailable
 };
 struct MRule {
@@ -144,6 +147,7 @@ struct ToolRules {
   int offset_digits = 2;
   std::string_view offset_digits_parameter = {};
   std::string_view geometry_by_tool_parameter = {};
+  bool short_form = false;  ///< T with no more digits than the offset has: tool and offset of that number
   double sign = 1;  ///< +1: machine = work + zero + offset; -1: the offset is subtracted
   std::size_t most_offsets = 99;
 };
@@ -173,6 +177,7 @@ struct Dialect {
   std::size_t longest_block = 8'192;
   std::uint32_t corner_words = 0;  ///< letters of chamfers and corner rounds in G01: refused, not ignored
   bool inner_slash_is_alarm = false;
+  bool sub_program_needs_return = false;  ///< a sub-program that ends without M99 is the alarm of nesting
   bool t_refused_with_actions = false;  ///< T may not share a block with G04 G10 G28 G30 G50 G53
   bool reset_clears = false;            ///< RESET brings the power-on codes back
   std::string_view reset_clears_parameter;
@@ -194,6 +199,8 @@ struct Dialect {
   /// A text that starts like a macro statement, when the dialect has a form of its own (200T names). May be
   /// nullptr.
   bool (*statement)(interp::Executor&, std::string_view text, std::uint32_t column) = nullptr;
+  /// The dialect's own memory and text rules. May be nullptr.
+  std::unique_ptr<interp::OwnLanguage> (*make_own)(interp::Executor&) = nullptr;
 
   std::string_view alarm_code(AlarmReason reason) const {
     return alarm_codes[static_cast<std::size_t>(reason)];

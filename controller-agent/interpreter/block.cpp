@@ -269,6 +269,9 @@ bool Executor::run_program_flow() {
       }
       case MAction::restart:
         return finish(EndReason::m99_main, dialect.m99_main_counts_part);
+      case MAction::own:
+        if (own && !own->m_code(*this, block.m[i])) return false;
+        break;
       default:
         break;
     }

@@ -122,6 +122,13 @@ struct MCode {
   ModalSnapshot modal;
   std::int32_t code = 0;
   bool after_motion = false;
+  // M codes that drive output ports and wait for input ports (200T, K2000TC). The program does not wait for
+  // a delay or a position.
+  double delay_s = 0;          ///< carried out so long after it is given (M26.150)
+  std::int8_t at_axis = -1;    ///< ≥ 0: carried out when this axis passes `at_position` (M1026.150)
+  double at_position = 0;      ///< absolute position page, programming units
+  std::int16_t input = 0;      ///< ≥ 1: finished when this input port has the level wanted (M01 L)
+  bool input_level = true;     ///< true: active
 };
 
 enum class MessageKind : std::uint8_t {

@@ -1,6 +1,6 @@
-// Blocks of one program that hold macro statements or expressions, compiled once and found again by where they
-// stand; blocks inside loops and sub-programs too. What is never met again is never kept: plain programs run
-// through without leaving anything here.
+// Blocks of one program that hold macro statements or expressions, compiled once and found again by where
+// they stand; blocks inside loops and sub-programs too. What is never met again is never kept: plain programs
+// run through without leaving anything here.
 #pragma once
 
 #include <cstdint>
@@ -29,10 +29,10 @@ class PackedBlock {
   void unpack(program::Block& block) const;
 
  private:
-  std::uint32_t words_ = 0, pointed_ = 0, negative_ = 0, repeated_ = 0, inner_slash_ = 0;
+  std::uint32_t words_ = 0, marked_ = 0, pointed_ = 0, negative_ = 0, repeated_ = 0, inner_slash_ = 0;
   bool m_pointed_ = false;
   std::uint8_t g_count_ = 0;
-  std::vector<program::Word> word_;
+  std::vector<program::Word> word_;   // then the marked ones
   std::vector<program::Code> codes_;  // G, then M
   std::vector<program::EarlierWord> earlier_;
   std::vector<program::ComputedWord> computed_;
@@ -43,7 +43,7 @@ struct CompiledBlock {
   program::LinePlace next_line;  ///< of the line behind it
   bool ends_line = true;
   bool is_statement = false;
-  bool is_empty = false;     ///< neither words nor codes
+  bool is_empty = false;  ///< neither words nor codes
   bool has_sequence = false, has_number = false;
   std::uint32_t sequence = 0, number = 0, skip = 0;
   std::uint32_t column = 0;  ///< of the statement
@@ -54,8 +54,8 @@ struct CompiledBlock {
   CompiledBlock* next = nullptr;  ///< the block that follows, when it is known and kept
   // Found by reading ahead when the DO is met for the first time.
   bool loop_known = false;
-  BlockPlace loop_end;              ///< of a DO: where its END stands
-  BlockPlace loop_after;            ///< of a DO: what follows its END
+  BlockPlace loop_end;    ///< of a DO: where its END stands
+  BlockPlace loop_after;  ///< of a DO: what follows its END
   /// Sequence numbers this block has jumped to, and where they are.
   std::vector<std::pair<std::uint32_t, BlockPlace>> targets;
 };

@@ -27,10 +27,13 @@ Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& mac
   plane = dialect.tools.lathe ? Plane::zx : Plane::xy;
   queue.reserve(8);
   if (dialect.macros != nullptr) {
-    macros = std::make_unique<MacroState>(*this, *dialect.macros, data.common_variables, dialect.tools.lathe);
+    macros = std::make_unique<MacroState>(*this, *dialect.macros, dialect.tools.lathe);
     lex_rules.expressions = &macros->words;
+    load_variables();
     macros->variables.power_on();
+    flush_changes();
   }
+  if (dialect.make_own != nullptr) own = dialect.make_own(*this);
   modal.g.fill(-1);
   set_units(false);
   set_switches({});
@@ -102,12 +105,14 @@ void Executor::power_on() {
   }
   set_units(inch);
   feed_mm = dialect.numbers.power_on_feed_mm_min;
+  if (own) own->power_on(*this);
 }
 
 void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& machine_position) {
   leave_program();
   push_program(std::move(main), 0, 1);
   if (macros != nullptr) {
+    load_variables();
     macros->programs.clear();
     macros->interruption_on_now = false;
     read_macro_parameters();
@@ -125,6 +130,7 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   jumps = idle_jumps = 0;
   at = {};
   linear_rapid = data.bit(dialect.linear_rapid_parameter);
+  if (own) own->start(*this);
   update_zeros();
   set_position(machine_position);
 }
@@ -132,6 +138,7 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
 Pull Executor::next(Operation& wanted) {
   out = &wanted;
   out_used = false;
+  if (macros != nullptr && macros->common_version != data.version) load_variables();
   if (awaits_standstill) {  // asked again: everything has been carried out
     awaits_standstill = false;
     at_standstill = true;
@@ -147,7 +154,8 @@ Pull Executor::next(Operation& wanted) {
     }
     if (finished) return Pull::finished;
     const Step result = step();
-    if (macros != nullptr && macros->variables.has_changes() && (out_used || finished || result != Step::done))
+    if (macros != nullptr && macros->variables.has_changes() &&
+        (out_used || finished || result != Step::done))
       flush_changes();
     if (finished) leave_program();  // files are closed, a drip-feed is told
     if (out_used) return Pull::operation;
@@ -163,7 +171,10 @@ Pull Executor::next(Operation& wanted) {
       flush_changes();
       return Pull::finished;
     }
-    if (macros->environment->wants_pause()) return Pull::pause;
+    if (macros->environment->wants_pause()) {
+      flush_changes();
+      return Pull::pause;
+    }
   }
 }
 
@@ -174,8 +185,22 @@ void Executor::leave_program() {
 
 // Variables are stored when something comes out: a loop that counts up is one change.
 void Executor::flush_changes() {
-  for (const auto& [number, before] : macros->variables.take_changes())
-    report_change("variable/" + std::to_string(number), before, data.common_variables.get(number));
+  for (const auto& [number, before] : macros->variables.take_changes()) {
+    const double now = macros->common.get(number);
+    if (macro::is_null(now)) {
+      data.common_variables.erase(number);
+    } else {
+      data.common_variables[number] = now;
+    }
+    report_change("variable/" + std::to_string(number), before, now);
+  }
+  macros->common_version = data.version;
+}
+
+// Somebody else changed the machine's data: the operator, or G10.
+void Executor::load_variables() {
+  macros->common.load(data.common_variables);
+  macros->common_version = data.version;
 }
 
 void Executor::reset(const AxisVector& machine_position) {
@@ -184,11 +209,13 @@ void Executor::reset(const AxisVector& machine_position) {
   queue_head = 0;
   finished = true;
   if (macros != nullptr) {
+    load_variables();
     reset_variables();
     flush_changes();
   }
   if (dialect.reset_clears || data.bit(dialect.reset_clears_parameter)) power_on();
   spindle_direction = SpindleDirection::stop;
+  if (own) own->reset(*this);
   set_position(machine_position);
 }
 

@@ -18,8 +18,9 @@
 #include "dialects/dialect.hpp"
 #include "interpreter/canonical.hpp"
 #include "interpreter/interpreter.hpp"
-#include "interpreter/macro_state.hpp"
 #include "interpreter/machine_data.hpp"
+#include "interpreter/macro_state.hpp"
+#include "interpreter/own_language.hpp"
 #include "machine/machine.hpp"
 #include "program/block.hpp"
 #include "program/block_reader.hpp"
@@ -63,6 +64,7 @@ struct Frame {
   SourcePosition wanted_by;           ///< of the jump, for the alarm
   AlarmReason not_found = AlarmReason::sequence_not_found;
   MacroFrame macro;
+  std::string wanted_name;  ///< label of the jump where labels are not numbers
 };
 
 struct Executor {
@@ -132,6 +134,7 @@ struct Executor {
   /// Everything handed out must have been carried out before what follows is read (G31, M00, unbuffered M).
   void hold_look_ahead() { barrier = true; }
   void flush_changes();
+  void load_variables();
   void leave_program();
   void reset_variables();
 
@@ -216,6 +219,7 @@ struct Executor {
   MachineData& data;
   program::Programs* programs;
   DataChanged changed;
+  std::unique_ptr<OwnLanguage> own;  ///< of the dialect; most have none
 
   // ---- settings
   Switches switches;
@@ -269,13 +273,13 @@ struct Executor {
   const CodeCall* sub_call = nullptr;  ///< sub-program the block calls when it is done
   CodeCall word_call{};                ///< of a T word, another address or M198
   std::uint32_t sub_call_column = 0;
-  std::uint64_t motions = 0;        ///< emitted so far
+  std::uint64_t motions = 0;         ///< emitted so far
   std::uint64_t motions_before = 0;  ///< before this block
-  bool at_standstill = true;        ///< nothing was handed out since everything was carried out
-  bool awaits_standstill = false;   ///< told the caller so
+  bool at_standstill = true;         ///< nothing was handed out since everything was carried out
+  bool awaits_standstill = false;    ///< told the caller so
   bool barrier = false;
-  bool restarting = false;          ///< running through to where a restart begins
-  bool move_calls = false;          ///< G66 was in force when this block began
+  bool restarting = false;  ///< running through to where a restart begins
+  bool move_calls = false;  ///< G66 was in force when this block began
   std::vector<std::unique_ptr<program::BlockReader>> spare_readers;
 
   // ---- the program

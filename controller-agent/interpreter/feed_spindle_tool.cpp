@@ -43,6 +43,7 @@ bool Executor::take_feed() {
 }
 
 bool Executor::take_spindle() {
+  if (own && own->take_spindle(*this) == OwnLanguage::Taken::done) return !finished;
   const program::Word& word = block['S'];
   const double value = word.value();
   if (action != nullptr && action->handler == handlers::set_coordinates) {  // G50 S, G92 S: the clamp
@@ -86,7 +87,8 @@ bool Executor::take_tool() {
       static_cast<int>(data.parameter(dialect.tools.offset_digits_parameter, dialect.tools.offset_digits));
   if (digits < 1 || digits > 3) digits = dialect.tools.offset_digits;
   const std::int64_t split = program::kPowerOfTen[static_cast<std::size_t>(digits)];
-  const std::int64_t number = value / split;
+  const bool both = dialect.tools.short_form && word.digit_count <= digits;
+  const std::int64_t number = both ? value : value / split;
   const std::int64_t wear = value % split;
   const bool by_tool = data.bit(dialect.tools.geometry_by_tool_parameter);
   if (!apply_tool_offset(by_tool && wear != 0 ? number : wear, wear, word.column)) return false;

@@ -45,7 +45,7 @@ AlarmReason reason_of(program::LexError error) {
 
 program::BlockReader* Executor::reader_of(Frame& frame) {
   if (frame.reader != nullptr) return frame.reader.get();
-  auto source = programs == nullptr       ? nullptr
+  auto source = programs == nullptr    ? nullptr
                 : frame.macro.external ? programs->open_external(frame.number)
                                        : programs->open_number(frame.number);
   if (source == nullptr) {
@@ -68,6 +68,7 @@ Executor::Step Executor::step() {
     barrier = false;
     if (!at_standstill && macros != nullptr && macros->environment->takes_time()) return Step::standstill;
   }
+  if (own && own->before_block(*this, frame) == OwnLanguage::Taken::done) return Step::done;
   if (frame.macro.next != nullptr) return carry_out(*std::exchange(frame.macro.next, nullptr));
   if (reader_of(frame) == nullptr) return Step::done;
   if (frame.macro.displaced) {
@@ -104,18 +105,21 @@ Executor::Step Executor::step() {
       frame.rest += within;
     }
   }
-  return frame.wanted_sequence >= 0 ? search_block() : read_block();
+  // A language of its own finds its own labels.
+  return frame.wanted_sequence >= 0 && own == nullptr ? search_block() : read_block();
 }
 
 Executor::Step Executor::read_block() {
   Frame& frame = frames.back();
   const char* line_begin = frame.line.text.data();
-  const char* line_end = line_begin + frame.line.text.size();
-  BlockPlace place{frame.line.place, static_cast<std::uint32_t>(frame.rest - line_begin)};
+  const char* line_end = nullptr;
+  const BlockPlace place{frame.line.place, static_cast<std::uint32_t>(frame.rest - line_begin)};
   at.program = frame.number;
   at.line = frame.line.number;
   at.column = 0;
   at.byte_offset = place.offset();
+  if (own && own->take_text(*this, frame) == OwnLanguage::Taken::done) return Step::done;
+  line_end = frame.line.text.data() + frame.line.text.size();
 
   if (frame.macro.code != nullptr && !frame.macro.code->empty()) {
     if (CompiledBlock* known = frame.macro.code->find(at.byte_offset)) {
@@ -223,15 +227,19 @@ bool Executor::end_of_text(bool record_end) {
       frame.at_start = true;
       return true;
     }
-    const std::int64_t wanted = frame.wanted_sequence;
+    const std::string wanted =
+        frame.wanted_name.empty() ? std::to_string(frame.wanted_sequence) : frame.wanted_name;
     at = frame.wanted_by;
-    return alarm(frame.not_found, at.column, "N" + std::to_string(wanted));
+    return alarm(frame.not_found, at.column, "N" + wanted);
   }
   if (!record_end) at.line = frame.reader->line_number();
   if (!switches.lenient && dialect.end_of_text == dialects::EndOfText::alarm) {
     return alarm(AlarmReason::end_of_record, 0);
   }
-  if (frames.size() > 1) return return_from_sub(-1, 0);
+  if (frames.size() > 1) {
+    if (dialect.sub_program_needs_return && !switches.lenient) return alarm(AlarmReason::nesting, 0, "M99");
+    return return_from_sub(-1, 0);
+  }
   return finish(EndReason::end_of_file, false);
 }
 
@@ -269,7 +277,11 @@ bool Executor::begin_search(std::int64_t sequence, std::uint32_t column, AlarmRe
   frame.macro.search_turned = false;
   frame.macro.jump_from = nullptr;
   frame.macro.next = frame.macro.last = nullptr;
-  if (frame.macro.displaced) {
+  if (own != nullptr) {
+    frame.macro.search_turned = frame.macro.displaced = true;
+    frame.macro.place = {};
+    frame.at_start = true;
+  } else if (frame.macro.displaced) {
     frame.macro.search_from = frame.macro.place;
   } else if (frame.rest != nullptr) {
     frame.macro.search_from = {frame.line.place,
@@ -347,7 +359,8 @@ bool Executor::begin_again(Frame& frame) {
   macro.displaced = true;
   macro.place = {};
   if (frame.reader != nullptr && !frame.reader->can_seek()) return alarm(AlarmReason::input_failed, 0);
-  if (macro.start_sequence >= 0) return begin_search(macro.start_sequence, 0, AlarmReason::sequence_not_found);
+  if (macro.start_sequence >= 0)
+    return begin_search(macro.start_sequence, 0, AlarmReason::sequence_not_found);
   return true;
 }
 

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "machine/axes.hpp"
-#include "macro/variables.hpp"
 
 namespace headstock::interp {
 
@@ -37,7 +36,7 @@ struct MachineData {
   AxisVector work_shift{};                  ///< lathe: moves the origin of all of them
   /// By the manual's number: "1401", "1401#1" for bits, "1241/X" for one axis; absent = default.
   std::map<std::string, double, std::less<>> parameters;
-  macro::CommonVariables common_variables;  ///< #100…#199, #500…#999
+  std::map<std::uint32_t, double> common_variables;  ///< #100…#199, #500…#999; absent = null
   std::uint64_t version = 0;                         ///< grows with every change
 
   /// A parameter, or `otherwise` when it is not set.

@@ -26,8 +26,10 @@ constexpr std::int32_t kCallTenths = 650, kModalTenths = 660, kCancelTenths = 67
 constexpr std::array<std::uint8_t, 26> kVariableOf = [] {
   std::array<std::uint8_t, 26> variables{};
   constexpr char kLetters[] = "ABCIJKDEFHMQRSTUVWXYZ";
-  constexpr std::uint8_t kNumbers[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 13, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26};
-  for (std::size_t i = 0; i < sizeof kNumbers; ++i) variables[program::letter_index(kLetters[i])] = kNumbers[i];
+  constexpr std::uint8_t kNumbers[] = {1,  2,  3,  4,  5,  6,  7,  8,  9,  11, 13,
+                                       17, 18, 19, 20, 21, 22, 23, 24, 25, 26};
+  for (std::size_t i = 0; i < sizeof kNumbers; ++i)
+    variables[program::letter_index(kLetters[i])] = kNumbers[i];
   return variables;
 }();
 
@@ -67,7 +69,8 @@ void Executor::read_macro_parameters() {
   };
   macros->g_calls.clear();
   macros->m_calls.clear();
-  const auto add = [](std::vector<CodeCall>& calls, std::int64_t first, std::uint32_t program, bool is_macro) {
+  const auto add = [](std::vector<CodeCall>& calls, std::int64_t first, std::uint32_t program,
+                      bool is_macro) {
     const std::int64_t number = std::llabs(first);
     if (first == 0 || number > 99'999'999) return;
     calls.push_back({static_cast<std::int32_t>(number * 10), program, first < 0, is_macro});
@@ -103,8 +106,8 @@ void Executor::read_macro_parameters() {
     macros->call_letters[i] = letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter) : '\0';
   }
   const std::int64_t external = whole_parameter(rules.external_m_parameter);
-  const bool own = external > 2 && external != 30 && external != 98 && external != 99;
-  macros->external_m = rules.external_call ? own ? static_cast<std::int32_t>(external) : 198 : -1;
+  const bool is_set = external > 2 && external != 30 && external != 98 && external != 99;
+  macros->external_m = rules.external_call ? is_set ? static_cast<std::int32_t>(external) : 198 : -1;
   macros->interruption_on = rules.interruption ? 96 : -1;
   macros->interruption_off = rules.interruption ? 97 : -1;
   if (rules.interruption && data.bit(rules.interruption_codes_parameter)) {
@@ -174,7 +177,7 @@ bool Executor::gather_arguments(std::uint32_t column, std::int32_t call_m, macro
       argument.value /= static_cast<double>(program::kPowerOfTen[argument.implied_decimals]);
     }
     for (std::size_t i = 0; i < block.computed_count; ++i) {  // as computed, not rounded to the address
-      if (block.computed[i].letter == letter && block.computed[i].place == place)
+      if (block.computed[i].letter == letter && block.computed[i].place == place && !block.computed[i].marked)
         argument.value = macros->computed[i];
     }
   };
@@ -185,7 +188,8 @@ bool Executor::gather_arguments(std::uint32_t column, std::int32_t call_m, macro
   }
   for (std::size_t i = 0; i < block.earlier_count; ++i) {
     const program::EarlierWord& word = block.earlier[i];
-    if (word.letter != 'P' && word.letter != 'L') take(word.word, word.letter, static_cast<std::uint8_t>(i + 1));
+    if (word.letter != 'P' && word.letter != 'L')
+      take(word.word, word.letter, static_cast<std::uint8_t>(i + 1));
   }
   for (std::size_t i = 0; i < block.m_count; ++i) {
     if (block.m[i].tenths == call_m) continue;
@@ -307,7 +311,8 @@ bool Executor::take_calls(bool& taken) {
     const program::Code written = block.g[i];
     const CodeCall* by_code = codes_call ? find_call(macros->g_calls, written.tenths) : nullptr;
     const bool plain = written.tenths == kCallTenths && rules.macro_calls;
-    const bool modal_code = (written.tenths == kModalTenths || written.tenths == kCancelTenths) && rules.modal_calls;
+    const bool modal_code =
+        (written.tenths == kModalTenths || written.tenths == kCancelTenths) && rules.modal_calls;
     if (by_code == nullptr && !plain && !modal_code) continue;
     if (plain && block.has('H') && (rules.h_codes || block['H'].column < block['P'].column)) return true;
     if (block.g_count > 1) {
@@ -340,8 +345,8 @@ bool Executor::take_calls(bool& taken) {
       if (!call_external(written.column)) return false;
       continue;
     }
-    if (macros->interruption_on > 0 && (written.tenths == macros->interruption_on * 10 ||
-                                        written.tenths == macros->interruption_off * 10)) {
+    if (macros->interruption_on > 0 &&
+        (written.tenths == macros->interruption_on * 10 || written.tenths == macros->interruption_off * 10)) {
       macros->interruption_on_now = written.tenths == macros->interruption_on * 10;
       remove_code(block.m, block.m_count, i--);
       if (macros->interruption_on_now) {
@@ -383,7 +388,8 @@ bool Executor::take_calls(bool& taken) {
   };
   if (macros->t_calls && block.has('T')) {
     const std::int64_t value = whole('T', AlarmReason::value_range);
-    if (value < 0 || !call_by_word('T', rules.t_sub_program, rules.t_sub_variable, static_cast<double>(value)))
+    if (value < 0 ||
+        !call_by_word('T', rules.t_sub_program, rules.t_sub_variable, static_cast<double>(value)))
       return false;
   }
   for (std::size_t i = 0; i < macros->call_letters.size(); ++i) {
@@ -391,9 +397,10 @@ bool Executor::take_calls(bool& taken) {
     if (letter == '\0' || !block.has(letter)) continue;
     const program::Word& word = block[letter];
     const double value =
-        word.point ? word.value()
-                   : word.value() / static_cast<double>(
-                                        program::kPowerOfTen[static_cast<std::size_t>(argument_decimals(letter))]);
+        word.point
+            ? word.value()
+            : word.value() / static_cast<double>(
+                                 program::kPowerOfTen[static_cast<std::size_t>(argument_decimals(letter))]);
     if (!call_by_word(letter, rules.address_programs[i], rules.address_variables[i], value)) return false;
   }
   return true;
@@ -419,7 +426,8 @@ bool Executor::run_pending_call() {
   if (block.has('L')) {
     times = whole('L', AlarmReason::call_count);
     if (times < 0) return false;
-    if (times > macros->rules.most_code_repeats) return alarm(AlarmReason::call_count, block['L'].column, "L");
+    if (times > macros->rules.most_code_repeats)
+      return alarm(AlarmReason::call_count, block['L'].column, "L");
   }
   if (times == 0) return true;
   if (!nesting_allows(CallKind::sub, sub_call_column) || !count_jump()) return false;
@@ -457,8 +465,8 @@ bool Executor::interrupt(const AxisVector& machine_position) {
   }
   macros->interrupted = modal_values();
   auto before = std::make_shared<InterruptedState>();
-  *before = {modal,     motion_code, incremental, exact_stop_mode, constant_surface_speed,
-             feed_unit, plane,       feed_mm,     rpm,             surface_speed};
+  *before = {modal, motion_code, incremental, exact_stop_mode, constant_surface_speed, feed_unit,
+             plane, feed_mm,     rpm,         surface_speed};
   Frame& frame = push_program(std::move(source), macros->interruption_program, 1);
   frame.macro.kind = CallKind::interruption;
   frame.macro.modal_calls.clear();  // G66 does not act in it (L20973)

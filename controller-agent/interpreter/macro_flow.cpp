@@ -26,7 +26,7 @@ bool truth(const macro::Expression& condition, macro::Variables& variables, Resu
 
 }  // namespace
 
-program::LexError WordCompiler::read(const char*& at, const char* end, std::uint16_t& expression) {
+program::LexError WordCompiler::compile(const char*& at, const char* end, std::uint16_t& expression) {
   const char* begin = at;
   macro::Expression compiled;
   const macro::TextFault wrong = macro::compile_word(at, end, rules_, lathe_, compiled);
@@ -48,8 +48,7 @@ CompiledBlock* Executor::keep_block(const program::LexResult& read, const BlockP
   bool room = macro.code->size() < CompiledProgram::kMost;
   if (!room && !loops) {  // nothing on the stack points into it: what is met again is compiled again
     bool used = false;
-    for (const Frame& other : frames)
-      used = used || (&other != &frame && other.macro.code == macro.code);
+    for (const Frame& other : frames) used = used || (&other != &frame && other.macro.code == macro.code);
     if (!used) {
       macro.code->clear();
       macro.last = nullptr;
@@ -61,8 +60,9 @@ CompiledBlock* Executor::keep_block(const program::LexResult& read, const BlockP
   c.place = place;
   c.next_line = frame.reader->place();
   c.ends_line = frame.rest == nullptr;
-  c.after = c.ends_line ? BlockPlace{c.next_line, 0}
-                        : BlockPlace{place.line, static_cast<std::uint32_t>(frame.rest - frame.line.text.data())};
+  c.after = c.ends_line
+                ? BlockPlace{c.next_line, 0}
+                : BlockPlace{place.line, static_cast<std::uint32_t>(frame.rest - frame.line.text.data())};
   c.has_sequence = block.has_sequence;
   c.sequence = block.sequence;
   c.has_number = block.has_number;
@@ -104,7 +104,8 @@ void Executor::go_on_after(const CompiledBlock& compiled) {
   macro.last = nullptr;
   if (compiled.next != nullptr) macro.displaced = true;  // the reader stays behind
   if (macro.displaced) macro.place = compiled.after;
-  if (compiled.next == nullptr && &compiled != &macros->scratch) macro.last = const_cast<CompiledBlock*>(&compiled);
+  if (compiled.next == nullptr && &compiled != &macros->scratch)
+    macro.last = const_cast<CompiledBlock*>(&compiled);
 }
 
 void Executor::go_on_at(const BlockPlace& place) {
@@ -116,8 +117,8 @@ void Executor::go_on_at(const BlockPlace& place) {
   frame.macro.place = place;
 }
 
-// One compiled block. When a value in it is only true at a standstill nothing has happened yet and the block is
-// carried out again.
+// One compiled block. When a value in it is only true at a standstill nothing has happened yet and the block
+// is carried out again.
 Executor::Step Executor::carry_out(CompiledBlock& c) {
   Frame& frame = frames.back();
   at.program = frame.number;
@@ -288,8 +289,7 @@ Result Executor::begin_loop(CompiledBlock& c) {
     if (!c.loop_known) return {};  // an alarm
   }
   Result result;
-  const bool goes_in =
-      !c.statement.conditional || truth(c.statement.condition, macros->variables, result);
+  const bool goes_in = !c.statement.conditional || truth(c.statement.condition, macros->variables, result);
   if (!result.ok()) return result;
   if (!goes_in) {
     if (inside) macro.loops.pop_back();
@@ -299,7 +299,8 @@ Result Executor::begin_loop(CompiledBlock& c) {
   if (!inside) {
     leave_loops_around(c.place.offset());
     for (const Loop& loop : macro.loops) {
-      if (loop.begin->statement.number == c.statement.number) return Result::failed(AlarmReason::macro_loop_end);
+      if (loop.begin->statement.number == c.statement.number)
+        return Result::failed(AlarmReason::macro_loop_end);
     }
     macro.loops.push_back({&c});
   }

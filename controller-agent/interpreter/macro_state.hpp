@@ -25,10 +25,10 @@ struct Executor;
 /// How a program came onto the stack.
 enum class CallKind : std::uint8_t {
   main,
-  sub,           ///< M98, or a code that calls like it: same locals
-  macro,         ///< G65, or a code that calls like it: own locals
-  modal,         ///< G66: own locals that stay from call to call
-  interruption   ///< M96 P
+  sub,          ///< M98, or a code that calls like it: same locals
+  macro,        ///< G65, or a code that calls like it: own locals
+  modal,        ///< G66: own locals that stay from call to call
+  interruption  ///< M96 P
 };
 
 /// A G66 in force.
@@ -61,8 +61,8 @@ struct MacroFrame {
   bool search_turned = false;          ///< it has gone on from the head
   // ---- how it was called
   CallKind kind = CallKind::main;
-  bool by_code = false;    ///< called by a G, M or T code, or from such a program
-  bool external = false;   ///< M198
+  bool by_code = false;              ///< called by a G, M or T code, or from such a program
+  bool external = false;             ///< M198
   std::int64_t start_sequence = -1;  ///< M98 P Q
   std::shared_ptr<macro::LocalSet> locals;
   std::unique_ptr<macro::LocalSet> arguments;  ///< of a macro called more than once: set again each time
@@ -79,7 +79,7 @@ struct CodeCall {
   std::int32_t tenths = 0;  ///< the code, times ten
   std::uint32_t program = 0;
   bool modal = false;
-  bool macro = false;       ///< arguments and own locals; otherwise like M98
+  bool macro = false;  ///< arguments and own locals; otherwise like M98
 };
 
 /// Modal values of a block, for #4001…, #4201…, #4401….
@@ -93,9 +93,10 @@ struct ModalValues {
 class WordCompiler final : public program::ExpressionReader {
  public:
   WordCompiler(const macro::Rules& rules, bool lathe) : rules_(rules), lathe_(lathe) {}
-  program::LexError read(const char*& at, const char* end, std::uint16_t& expression) override;
+  bool compiles() const override { return true; }
+  program::LexError compile(const char*& at, const char* end, std::uint16_t& expression) override;
   std::vector<macro::Expression> expressions;  ///< of the block; emptied by who reads the next one
-  macro::Fault fault = macro::Fault::count_;   ///< why `read` failed
+  macro::Fault fault = macro::Fault::count_;   ///< why `compile` failed
 
  private:
   const macro::Rules& rules_;
@@ -113,16 +114,18 @@ class SystemAccess final : public macro::SystemVariables {
 };
 
 struct MacroState {
-  MacroState(Executor& executor, const macro::Rules& macro_rules, macro::CommonVariables& common, bool lathe);
+  MacroState(Executor& executor, const macro::Rules& macro_rules, bool lathe);
 
   const macro::Rules& rules;
   macro::Environment* environment;
   macro::Environment offline;  ///< in force when nobody gives another one
   SystemAccess system;
+  macro::CommonVariables common;
+  std::uint64_t common_version = 0;  ///< MachineData::version they were loaded at
   macro::Variables variables;
   WordCompiler words;
   std::map<std::uint32_t, std::shared_ptr<CompiledProgram>> programs;  ///< of this run, by O number
-  CompiledBlock scratch;  ///< a block that is not kept
+  CompiledBlock scratch;                                               ///< a block that is not kept
 
   // ---- calls by code, from the parameters at the start of the run
   std::vector<CodeCall> g_calls, m_calls;
@@ -138,12 +141,12 @@ struct MacroState {
   std::array<ModalValues, 2> history;  ///< of the last two blocks
   std::size_t newest = 0;              ///< of the two
   ModalValues interrupted;
-  AxisVector skip_position{};  ///< machine, of the last G31
-  std::uint32_t control = 0;  ///< #3003, and #3004 from bit 4 on
+  AxisVector skip_position{};                             ///< machine, of the last G31
+  std::uint32_t control = 0;                              ///< #3003, and #3004 from bit 4 on
   std::array<double, program::kMostComputed> computed{};  ///< values of Block::computed, not rounded
-  std::string comment;         ///< of the statement being carried out: #3000, #3006
+  std::string comment;  ///< of the statement being carried out: #3000, #3006
   std::uint64_t writes_at_jump = 0;
-  std::uint32_t steps = 0;       ///< until the environment is asked again
+  std::uint32_t steps = 0;  ///< until the environment is asked again
 };
 
 }  // namespace headstock::interp

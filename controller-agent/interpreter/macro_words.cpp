@@ -18,7 +18,11 @@ std::int64_t nearest_step(double value, double steps) {
 }
 
 void forget(program::Block& block, const program::ComputedWord& word) {
-  if (word.place == 0) block.words &= ~program::letter_bit(word.letter);
+  if (word.marked) {
+    block.marked &= ~program::letter_bit(word.letter);
+  } else if (word.place == 0) {
+    block.words &= ~program::letter_bit(word.letter);
+  }
 }
 
 template <std::size_t N>
@@ -40,20 +44,20 @@ Result Executor::fill_computed(const CompiledBlock& compiled) {
     double steps = 1;
     if (is_code) {
       steps = 10;
-    } else if (axis_of[letter] >= 0) {
+    } else if (axis_of[letter] >= 0 && !word.marked) {
       steps = kNanoScale / static_cast<double>(axes[static_cast<std::size_t>(axis_of[letter])].increment);
     } else if (word.letter == 'F' || word.letter == 'E') {
       steps = 1e6;
-    } else if ((may_point & bit) != 0) {
+    } else if ((may_point & bit) != 0 || word.marked) {
       steps = kNanoScale / static_cast<double>(linear_increment);
     }
     double value = 0;
     const Result result =
         macro::evaluate(compiled.expressions[word.expression], macros->variables, is_code ? 1 : steps, value);
-    const std::uint32_t column = is_code ? 0
-                                 : word.place == 0
-                                     ? block.word[letter].column
-                                     : block.earlier[word.place - 1u].word.column;
+    const std::uint32_t column = is_code           ? 0
+                                 : word.marked     ? block.marked_word[letter].column
+                                 : word.place == 0 ? block.word[letter].column
+                                                   : block.earlier[word.place - 1u].word.column;
     at.column = column;
     if (!result.ok()) return result;
     macros->computed[i] = value;
@@ -65,7 +69,8 @@ Result Executor::fill_computed(const CompiledBlock& compiled) {
     }
     if (!(std::fabs(value) < kMostWord)) return Result::failed(AlarmReason::too_many_digits);
     if (is_code) {
-      program::Code& into = word.letter == 'G' ? block.g[word.place - g_removed] : block.m[word.place - m_removed];
+      program::Code& into =
+          word.letter == 'G' ? block.g[word.place - g_removed] : block.m[word.place - m_removed];
       at.column = into.column;
       const std::int64_t tenths = nearest_step(value, 10);
       if (tenths < 0) return Result::failed(AlarmReason::minus_sign);
@@ -73,12 +78,15 @@ Result Executor::fill_computed(const CompiledBlock& compiled) {
       into.tenths = static_cast<std::int32_t>(tenths);
       continue;
     }
-    program::Word& into = word.place == 0 ? block.word[letter] : block.earlier[word.place - 1u].word;
+    program::Word& into = word.marked       ? block.marked_word[letter]
+                          : word.place == 0 ? block.word[letter]
+                                            : block.earlier[word.place - 1u].word;
     const std::int64_t rounded = nearest_step(value, steps);
     into.digits = rounded * static_cast<std::int64_t>(kNanoScale / steps);
     into.decimals = program::kNanoDecimals;
     into.point = true;
     const bool negative = rounded < 0;
+    if (word.marked) continue;
     if (word.place != 0) {
       block.earlier[word.place - 1u].negative = negative;
     } else if (negative) {

@@ -47,8 +47,7 @@ Result SystemAccess::write_system(std::uint32_t number, double value) {
   return row->write(executor_, *row, number - row->first, value);
 }
 
-MacroState::MacroState(Executor& executor, const macro::Rules& macro_rules, macro::CommonVariables& common,
-                       bool lathe)
+MacroState::MacroState(Executor& executor, const macro::Rules& macro_rules, bool lathe)
     : rules(macro_rules),
       environment(&offline),
       system(executor),
@@ -440,7 +439,8 @@ Result write_settings(Executor& ex, const Row&, std::uint32_t, double value) {
   const double whole = std::floor(value + 0.5);
   if (!(whole >= 0 && whole < 65'536)) return Result::failed(AlarmReason::value_range);
   const auto bits = static_cast<std::uint32_t>(whole);
-  if (((bits >> 2 & 1u) != 0) != ex.modal.inch) return Result::failed(AlarmReason::macro_protected);  // G20/G21
+  if (((bits >> 2 & 1u) != 0) != ex.modal.inch)
+    return Result::failed(AlarmReason::macro_protected);  // G20/G21
   ex.macros->environment->set_settings(bits);
   return {};
 }
@@ -504,9 +504,9 @@ Result write_kept(Executor& ex, const Row& row, std::uint32_t index, double valu
 
 namespace {
 
-// The block before the macro statement has been read and buffered: its state is the interpreter's own. The one
-// before that is being executed (0i-D E12): with a look-ahead of thousands of blocks the program shall see what
-// it sees on the control.
+// The block before the macro statement has been read and buffered: its state is the interpreter's own. The
+// one before that is being executed (0i-D E12): with a look-ahead of thousands of blocks the program shall
+// see what it sees on the control.
 const ModalSnapshot& snapshot(const Executor& ex, Which which) {
   if (which == Which::interrupted) return ex.macros->interrupted.modal;
   if (which == Which::preceding) return ex.modal;

@@ -5,12 +5,9 @@
 
 namespace headstock::macro {
 
-std::map<std::uint32_t, double> CommonVariables::assigned() const {
-  std::map<std::uint32_t, double> all;
-  for (std::uint32_t number = 0; number < kMost; ++number) {
-    if (!is_null(values_[number])) all[number] = values_[number];
-  }
-  return all;
+void CommonVariables::load(const std::map<std::uint32_t, double>& stored) {
+  values_.fill(kNull);
+  for (const auto& [number, value] : stored) set(number, value);
 }
 
 Variables::Variables(const Rules& rules, CommonVariables& common, SystemVariables& system)
@@ -51,7 +48,7 @@ void Variables::power_on() {
     if (!range.retained) continue;
     bool used = false;
     for (std::uint32_t n = range.first; n <= range.last; ++n) used = used || !is_null(common_.values_[n]);
-    for (std::uint32_t n = range.first; n <= range.last && !used; ++n) common_.values_[n] = 0;
+    for (std::uint32_t n = range.first; n <= range.last && !used; ++n) (void)write_elsewhere(n, 0);
   }
 }
 

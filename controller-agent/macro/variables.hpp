@@ -14,7 +14,7 @@
 
 namespace headstock::macro {
 
-/// #100…#999. A plain value: part of what a controller remembers (MachineData).
+/// #100…#999 in reach of a loop. What lasts is MachineData's; this is loaded from there and stored back.
 class CommonVariables {
  public:
   static constexpr std::uint32_t kMost = 1'000;  ///< numbers are below
@@ -24,9 +24,8 @@ class CommonVariables {
   void set(std::uint32_t number, double value) {
     if (number < kMost) values_[number] = value;
   }
-  /// All that are not <null>, by number.
-  std::map<std::uint32_t, double> assigned() const;
-  bool operator==(const CommonVariables& other) const { return assigned() == other.assigned(); }
+  /// @param stored by number; what is not in it is <null>.
+  void load(const std::map<std::uint32_t, double>& stored);
 
  private:
   friend class Variables;
@@ -47,7 +46,8 @@ inline constexpr std::size_t kMostLocals = 64;
 /// The locals of one call level and what ADP needs to know of the arguments.
 struct LocalSet {
   std::array<double, kMostLocals> values;
-  std::array<std::uint8_t, kMostLocals> implied_decimals{};  ///< decimals that an argument without a point got
+  std::array<std::uint8_t, kMostLocals>
+      implied_decimals{};  ///< decimals that an argument without a point got
   LocalSet() { values.fill(kNull); }
 };
 
@@ -103,12 +103,12 @@ class Variables {
   void name(std::uint32_t number, std::string text) { names_[number] = std::move(text); }
   const std::map<std::uint32_t, std::string>& names() const { return names_; }
 
-  LocalSet* locals;               ///< of the level in force; never nullptr
-  bool signed_angles = false;     ///< see Rules::signed_angles_parameter
-  bool eight_digits = false;      ///< see Rules::eight_digits_parameter
-  bool adp_refused = false;       ///< see Rules::converted_arguments_parameter
+  LocalSet* locals;                                   ///< of the level in force; never nullptr
+  bool signed_angles = false;                         ///< see Rules::signed_angles_parameter
+  bool eight_digits = false;                          ///< see Rules::eight_digits_parameter
+  bool adp_refused = false;                           ///< see Rules::converted_arguments_parameter
   std::uint32_t protect_first = 0, protect_last = 0;  ///< write-protected commons; 0: none
-  std::uint64_t writes = 0;       ///< assignments made: a loop that makes none is endless
+  std::uint64_t writes = 0;                           ///< assignments made: a loop that makes none is endless
 
  private:
   Result write_elsewhere(std::uint32_t number, double value);

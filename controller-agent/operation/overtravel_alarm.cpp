@@ -31,4 +31,9 @@ MachineAlarm starved_message() {
           "程序数据中断：已进给保持，数据到达后按循环启动继续"};
 }
 
+MachineAlarm port_code_alarm() {
+  return {"HS0010", "This machine cannot carry out an M code that waits for an input, a delay or a position",
+          "本机不能执行等待输入、延时或按位置动作的 M 代码"};
+}
+
 }  // namespace headstock::operation

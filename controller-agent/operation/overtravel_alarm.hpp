@@ -20,4 +20,8 @@ MachineAlarm overtravel_alarm(std::string_view profile, char axis, bool positive
 /// alarm: the controllers themselves just stand still here and leave the operator guessing.
 MachineAlarm starved_message();
 
+/// An M code that waits for an input port, or acts after a delay or at a position, on a machine whose PLC
+/// cannot do that: never answered as if it had been done.
+MachineAlarm port_code_alarm();
+
 }  // namespace headstock::operation

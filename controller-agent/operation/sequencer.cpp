@@ -147,6 +147,14 @@ void Controller::Impl::take(const interp::Operation& taken) {
     request.offset = tool->offset;
     post(Await::function, function(request));
   } else if (const auto* m = std::get_if<interp::MCode>(&taken)) {
+    if (m->input != 0 || m->at_axis >= 0 || m->delay_s != 0) {
+      raised_here = port_code_alarm();
+      std::string detail(1, 'M');
+      detail += std::to_string(m->code);
+      pending_alarm = {m->at, std::string(raised_here.code), std::move(detail)};
+      post(Await::alarm, {});
+      return;
+    }
     plc::Request request;
     request.code = m->code;
     post(Await::function, function(request));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace headstock::program {
 namespace {
@@ -20,7 +21,8 @@ enum class Kind : std::uint8_t {
   point,
   hash,
   bracket,
-  colon
+  colon,
+  comma
 };
 
 constexpr std::array<Kind, 256> kKind = [] {
@@ -41,6 +43,7 @@ constexpr std::array<Kind, 256> kKind = [] {
   kinds['#'] = Kind::hash;
   kinds['['] = Kind::bracket;
   kinds[':'] = Kind::colon;
+  kinds[','] = Kind::comma;
   return kinds;
 }();
 
@@ -56,6 +59,8 @@ struct Number {
   bool negative = false;
   bool computed = false;  // by a macro expression: rules about written points do not apply
   std::uint16_t expression = 0;
+  bool absent = false;  // a variable without a value
+  bool valued = false;  // by an expression that was evaluated at once
 };
 
 class Scanner {
@@ -72,12 +77,21 @@ class Scanner {
       const char c = *at_;
       switch (kind_of(c)) {
         case Kind::letter:
-          if (is_statement()) return statement();
+          if (is_statement()) {
+            if (!is_named_word()) return statement();
+            if (!read_marked_word()) return failed();
+            at_head = false;
+            break;
+          }
           if (!read_word(static_cast<char>(c & ~0x20))) return failed();
           if ((c & ~0x20) != 'N') at_head = false;
           break;
         case Kind::colon:
           if (!read_word('O')) return failed();
+          break;
+        case Kind::comma:
+          if (!read_marked_word()) return failed();
+          at_head = false;
           break;
         case Kind::open:
           skip_comment();
@@ -141,6 +155,14 @@ class Scanner {
 
   // Two letters together never are a word of plain G code.
   bool is_statement() const { return at_ + 1 < end_ && kind_of(at_[1]) == Kind::letter; }
+
+  // `NC` `NR` `NA`: another way to write `,C` `,R` `,A`. A third letter makes it a statement after all.
+  bool is_named_word() const {
+    const auto first = static_cast<char>(*at_ & ~0x20);
+    const auto second = static_cast<char>(at_[1] & ~0x20);
+    if (first != 'N' || (rules_.named_letters & letter_bit(second)) == 0) return false;
+    return at_ + 2 == end_ || kind_of(at_[2]) != Kind::letter;
+  }
 
   LexResult statement() {
     if ((out_.words | out_.g_count | out_.m_count) != 0 && rules_.expressions != nullptr) {
@@ -220,8 +242,9 @@ class Scanner {
 
   bool read_expression(const char* letter, Number& out) {
     if (rules_.expressions == nullptr) return fail(LexError::expression, letter);
+    if (!rules_.expressions->compiles()) return read_value(letter, out);
     if (out_.computed_count == kMostComputed) return fail(LexError::too_many_words, letter);
-    const LexError error = rules_.expressions->read(at_, end_, out.expression);
+    const LexError error = rules_.expressions->compile(at_, end_, out.expression);
     if (error != LexError::none) return fail(error, at_);
     out.word.digit_count = 1;
     out.word.point = true;
@@ -229,8 +252,24 @@ class Scanner {
     return true;
   }
 
-  void add_computed(char letter, std::size_t place, const Number& number) {
-    out_.computed[out_.computed_count++] = {letter, static_cast<std::uint8_t>(place), number.expression};
+  bool read_value(const char* letter, Number& out) {
+    double value = 0;
+    const LexError error = rules_.expressions->read(at_, end_, value, out.absent);
+    if (error != LexError::none) return fail(error, letter);
+    if (out.absent) return true;
+    if (!(std::fabs(value) < 1e9)) return fail(LexError::too_many_digits, letter);
+    out.negative = value < 0;
+    out.word.digits = std::llround(value * static_cast<double>(kNano));
+    out.word.decimals = kNanoDecimals;
+    out.word.digit_count = 1;
+    out.word.point = true;
+    out.valued = true;
+    return true;
+  }
+
+  void add_computed(char letter, std::size_t place, const Number& number, bool marked = false) {
+    out_.computed[out_.computed_count++] = {letter, marked, static_cast<std::uint8_t>(place),
+                                            number.expression};
   }
 
   // The word was there before: it is kept for macro calls, where every one counts.
@@ -240,7 +279,8 @@ class Scanner {
                                           (out_.negative & letter_bit(letter)) != 0};
     for (std::size_t i = 0; i < out_.computed_count; ++i) {
       ComputedWord& computed = out_.computed[i];
-      if (computed.letter == letter && computed.place == 0) computed.place = out_.earlier_count;
+      if (computed.letter == letter && computed.place == 0 && !computed.marked)
+        computed.place = out_.earlier_count;
     }
     return true;
   }
@@ -249,17 +289,18 @@ class Scanner {
     const char* where = at_++;
     Number number;
     if (!read_number(where, number)) return false;
+    if (number.absent) return true;
     Word& word = number.word;
     word.column = column(where);
     switch (letter) {
       case 'G':
         return add_code(out_.g, out_.g_count, number, where);
       case 'M':
-        out_.m_pointed = out_.m_pointed || (word.point && !number.computed);
+        out_.m_pointed = out_.m_pointed || (word.point && !number.computed && !number.valued);
         return add_code(out_.m, out_.m_count, number, where);
       case 'N':
       case 'O':
-        if (number.computed) return fail(LexError::computed_number, where);
+        if (number.computed || number.valued) return fail(LexError::computed_number, where);
         if (number.negative || word.point || word.digit_count > 9)
           return fail(LexError::sequence_format, where);
         if (letter == 'N') {
@@ -282,7 +323,7 @@ class Scanner {
     }
     if (number.computed) add_computed(letter, 0, number);
     out_.words |= bit;
-    if (word.point && !number.computed)
+    if (word.point && !number.computed && !number.valued)
       out_.pointed |= bit;
     else
       out_.pointed &= ~bit;
@@ -291,6 +332,24 @@ class Scanner {
     else
       out_.negative &= ~bit;
     out_.word[letter_index(letter)] = word;
+    return true;
+  }
+
+  // `,C` `NC`: words of their own beside C. `at_` is at the mark.
+  bool read_marked_word() {
+    const char* comma = at_++;
+    while (at_ < end_ && kind_of(*at_) == Kind::blank) ++at_;
+    if (at_ == end_ || kind_of(*at_) != Kind::letter) return fail(LexError::illegal_character, comma);
+    const auto letter = static_cast<char>(*at_ & ~0x20);
+    if ((rules_.comma_letters & letter_bit(letter)) == 0) return fail(LexError::illegal_character, comma);
+    const char* where = at_++;
+    Number number;
+    if (!read_number(where, number)) return false;
+    if (number.absent) return true;
+    number.word.column = column(comma);
+    if (number.computed) add_computed(letter, 0, number, true);
+    out_.marked |= letter_bit(letter);
+    out_.marked_word[letter_index(letter)] = number.word;
     return true;
   }
 
@@ -328,7 +387,8 @@ BlockHead read_head(std::string_view line, const char* at, const LexRules& rules
   const auto read_number = [&](std::uint32_t& out) {
     std::uint64_t value = 0;
     for (++at; at < end && (is_digit(*at) || kind_of(*at) == Kind::blank); ++at) {
-      if (is_digit(*at)) value = std::min<std::uint64_t>(value * 10 + static_cast<unsigned>(*at - '0'), UINT32_MAX);
+      if (is_digit(*at))
+        value = std::min<std::uint64_t>(value * 10 + static_cast<unsigned>(*at - '0'), UINT32_MAX);
     }
     out = static_cast<std::uint32_t>(value);
   };

@@ -27,18 +27,28 @@ enum class LexError : std::uint8_t {
 };
 
 /// Takes a macro expression behind an address: `#100`, `[#1+2]`, `-#5`. Absent in a dialect without macros.
+/// Either it compiles and the value is asked for when the block is carried out, or it gives the value at
+/// once.
 class ExpressionReader {
  public:
   virtual ~ExpressionReader() = default;
-  /// Compiles; there is nothing to evaluate yet.
+  virtual bool compiles() const { return false; }
   /// @param at first character of the expression; left behind its last one.
   /// @param expression its number, for Block::computed.
-  virtual LexError read(const char*& at, const char* end, std::uint16_t& expression) = 0;
+  virtual LexError compile(const char*& /*at*/, const char* /*end*/, std::uint16_t& /*expression*/) {
+    return LexError::expression;
+  }
+  /// @param is_null the expression is a variable without a value: the word counts as not written.
+  virtual LexError read(const char*& /*at*/, const char* /*end*/, double& /*value*/, bool& /*is_null*/) {
+    return LexError::expression;
+  }
 };
 
 struct LexRules {
   bool semicolon_is_comment = false;  ///< `;` starts a comment (field files) instead of ending the block
   std::uint8_t most_digits = 9;       ///< in one word, leading zeros counted; at most 17
+  std::uint32_t comma_letters = 0;    ///< letters that may stand behind a comma (`,C` `,R` `,A`)
+  std::uint32_t named_letters = 0;    ///< letters that N may mark in the same way (`NC` `NR` `NA`)
   ExpressionReader* expressions = nullptr;
 };
 

@@ -78,8 +78,8 @@ std::string set_up(const CheckJob& job, Setup& setup) {
     if (setting.what.starts_with("parameter/"))
       setup.data.parameters[setting.what.substr(10)] = setting.value;
     if (setting.what.starts_with("variable/"))
-      setup.data.common_variables.set(static_cast<std::uint32_t>(std::stoul(setting.what.substr(9))),
-                                      setting.value);
+      setup.data.common_variables[static_cast<std::uint32_t>(std::stoul(setting.what.substr(9)))] =
+          setting.value;
   }
   setup.neighbours = std::make_shared<Neighbours>(job.subprograms);
   setup.open = [file = job.file] { return program::source_from_file(file); };

@@ -36,6 +36,8 @@ const words = {
 };
 
 let shop, browser, page;
+// The listing's running block is one of these lines. A selector, because the pages' security policy forbids evaluated strings.
+const lines = (first, last) => Array.from({ length: last - first + 1 }, (_, i) => `.listing .row.current[data-line="${first + i}"]`).join(",");
 const file = (name, text) => ({ name, mimeType: "text/plain", buffer: Buffer.from(text) });
 const upload = async (files, note) => {
   await page.locator(".upload-button input[type=file]").setInputFiles(files);
@@ -192,7 +194,7 @@ describe("the path of a part", { skip: built() ? false : "headstock-server and h
         await start();
         await page.locator('[data-page=machine][data-state="running"]').waitFor();
         await page.getByText(say.running).first().waitFor();
-        await page.waitForFunction(() => Number(document.querySelector(".listing .row.current")?.dataset.line) >= 7);
+        await page.locator(lines(7, 15)).first().waitFor();
         await page.locator('[data-page=machine][data-state="idle"]').waitFor({ timeout: 120_000 });
         await page.locator("[data-nav=floor]").click();
         await page.locator(`.card[data-machine="${ids.lathe}"] [data-field=parts]`).filter({ hasText: new RegExp(`^${before + 1}\\b`) }).waitFor();

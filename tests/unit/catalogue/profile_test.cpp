@@ -46,12 +46,14 @@ TEST(Profile, CoverageOfEveryProfileAddsUp) {
     const Printed run = profile(std::string(name) + " --coverage --json");
     ASSERT_EQ(run.status, 0) << name;
     const auto coverage = nlohmann::json::parse(run.out)["coverage"];
-    for (const char* kind : {"gcodes", "mcodes"}) {
+    for (const char* kind : {"gcodes", "mcodes", "alarms", "parameters", "variables"}) {
       const auto& part = coverage[kind];
-      EXPECT_EQ(part["done"].size() + part["missing"].size(), part["counts"]["total"].get<std::size_t>())
-          << name;
-      EXPECT_GT(part["done"].size(), 0u) << name << " " << kind;
+      EXPECT_EQ(part["done"].size() + part["off_panel"].size() + part["missing"].size(),
+                part["counts"]["total"].get<std::size_t>())
+          << name << " " << kind;
+      for (const auto& row : part["off_panel"]) EXPECT_FALSE(row["reason"].get<std::string>().empty()) << name;
     }
+    EXPECT_GT(coverage["alarms"]["done"].size(), 5u) << name;
   }
 }
 

@@ -140,5 +140,23 @@ TEST(Lexer, StatementsAndTapeMarks) {
   EXPECT_EQ(lex(":1234").block.number, 1234u);
 }
 
+TEST(Lexer, MarkedWordsStandBesideTheirLetters) {
+  LexRules rules;
+  rules.comma_letters = letters("ACR");
+  rules.named_letters = letters("CR");
+  const Lexed l = lex("X10. C5. ,C2.5 NR-3", rules);
+  ASSERT_EQ(l.result.status, LexStatus::block);
+  EXPECT_EQ(l.block.words, letters("XC"));
+  EXPECT_EQ(l.block.marked, letters("CR"));
+  EXPECT_EQ(l.block['C'].nano(), 5'000'000'000);
+  EXPECT_EQ(l.block.marked_at('C').nano(), 2'500'000'000);
+  EXPECT_EQ(l.block.marked_at('C').column, 10u);
+  EXPECT_EQ(l.block.marked_at('R').digits, -3);
+  EXPECT_FALSE(l.block.has_sequence);
+  EXPECT_EQ(lex("X10. ,B1", rules).result.error, LexError::illegal_character);
+  EXPECT_EQ(lex("X10. NA1", rules).result.status, LexStatus::statement);
+  EXPECT_EQ(lex("X10. ,C").result.error, LexError::illegal_character);
+}
+
 }  // namespace
 }  // namespace headstock::program

@@ -1,0 +1,208 @@
+#include "compensation/offset.hpp"
+
+#include <numbers>
+
+namespace headstock::comp {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kStraightOn = 1e-7;        // rad
+constexpr double kNearlyTangent = 2 * kDegree;  // end points are rounded: offset paths may just miss each other
+constexpr double kAgainst_mm = 1e-6;
+
+struct Turn {
+  double angle;      // from the end of one to the start of the other, + to the left
+  bool inside;       // on the tool's side
+  double workpiece;  // angle on the workpiece side
+};
+
+Turn turn_between(const Segment& a, const Segment& b, double r) {
+  const Point before = a.direction_at_end(), after = b.direction_at_start();
+  Turn turn{};
+  turn.angle = std::atan2(cross(before, after), dot(before, after));
+  const double to_tool = r > 0 ? turn.angle : -turn.angle;
+  turn.inside = to_tool >= 0;
+  turn.workpiece = std::numbers::pi + to_tool;
+  return turn;
+}
+
+// Where the two lines beside the corner cross, as a vector from the corner.
+Point crossing(Point n1, Point n2, double r) {
+  return (n1 + n2) * (r * r / (r * r + dot(n1, n2)));
+}
+
+// An inside corner: the crossing of the offset paths that is nearest to the corner.
+bool inside_vector(const Segment& a, const Segment& b, double r, Point& out) {
+  const Crossings at = intersect(offset_curve(a, r, true), offset_curve(b, r, false));
+  if (at.count == 0) return false;
+  out = at.point[0] - a.to;
+  if (at.count == 2) {
+    const Point other = at.point[1] - a.to;
+    if (length(other) < length(out)) out = other;
+  }
+  return true;
+}
+
+}  // namespace
+
+Point normal_at_end(const Segment& segment, double r) {
+  return left_of(segment.direction_at_end()) * r;
+}
+Point normal_at_start(const Segment& segment, double r) {
+  return left_of(segment.direction_at_start()) * r;
+}
+
+Vectors corner(const Segment& a, const Segment& b, double r, const OffsetRules& rules) {
+  const Point n1 = normal_at_end(a, r), n2 = normal_at_start(b, r);
+  const Turn turn = turn_between(a, b, r);
+  if (std::fabs(turn.angle) < kStraightOn) return single(n1);
+  Vectors v;
+  if (turn.inside) {
+    if (turn.workpiece > 359 * kDegree) {  // back on itself: no search for a crossing
+      v.add(n1);
+      v.add(n2);
+      return v;
+    }
+    Point at;
+    if (!a.arc && !b.arc) {
+      v.add(crossing(n1, n2, r));
+    } else if (inside_vector(a, b, r, at)) {
+      v.add(at);
+    } else if (std::fabs(turn.angle) < kNearlyTangent) {
+      v.add(n1);
+    }
+    return v;
+  }
+  if (rules.circular_outside) {
+    v.add(n1);
+    v.add(n2);
+    v.circular = true;
+    v.turn = turn.angle > 0 ? 1 : -1;
+    return v;
+  }
+  const double size = std::fabs(r);
+  if (a.arc) v.add(n1);
+  if (turn.workpiece >= 90 * kDegree - 1e-9) {
+    v.add(crossing(n1, n2, r));
+  } else {
+    v.add(n1 + a.direction_at_end() * size);
+    v.add(n2 - b.direction_at_start() * size);
+  }
+  if (b.arc) v.add(n2);
+  return v;
+}
+
+Vectors start_up(const Segment& a, const Segment& b, double r, const OffsetRules& rules) {
+  const Point n1 = normal_at_end(a, r), n2 = normal_at_start(b, r);
+  const Turn turn = turn_between(a, b, r);
+  if (rules.start == StartType::a || turn.inside || turn.workpiece <= 1 * kDegree) return single(n2);
+  const double size = std::fabs(r);
+  Vectors v;
+  if (rules.circular_outside) {
+    v.add(n1);
+    v.add(n2);
+    v.circular = true;
+    v.turn = turn.angle > 0 ? 1 : -1;
+    return v;
+  }
+  if (turn.workpiece >= 90 * kDegree - 1e-9) {
+    if (rules.start_by_normal) v.add(n1);
+    v.add(crossing(n1, n2, r));
+  } else {
+    v.add(n1);
+    v.add(n1 + a.direction_at_end() * size);
+    v.add(n2 - b.direction_at_start() * size);
+  }
+  if (b.arc) v.add(n2);
+  return v;
+}
+
+Vectors cancel(const Segment& a, const Segment& b, double r, const OffsetRules& rules) {
+  // The way back of a start-up: mirrored in time, the side changes.
+  const auto back = [](const Segment& s) {
+    Segment reversed = s;
+    reversed.from = s.to;
+    reversed.to = s.from;
+    reversed.turn = -s.turn;
+    return reversed;
+  };
+  const Vectors way = start_up(back(b), back(a), -r, rules);
+  Vectors v;
+  for (std::size_t i = way.count; i-- > 0;) v.add(way.at[i]);
+  v.circular = way.circular;
+  v.turn = -way.turn;
+  return v;
+}
+
+Vectors change_side(const Segment& a, double r_a, const Segment& b, double r_b) {
+  const Point n1 = normal_at_end(a, r_a), n2 = normal_at_start(b, r_b);
+  const Crossings at = intersect(offset_curve(a, r_a, true), offset_curve(b, r_b, false));
+  // A crossing counts when both blocks reach it (a line may run on by r).
+  const double reach = 2 * std::fabs(r_a);
+  const Point* best = nullptr;
+  for (int i = 0; i < at.count; ++i) {
+    const Point vector = at.point[static_cast<std::size_t>(i)] - a.to;
+    if (length(vector) > reach) continue;
+    if (best == nullptr || length(vector) < length(*best - a.to)) best = &at.point[static_cast<std::size_t>(i)];
+  }
+  if (best != nullptr) return single(*best - a.to);
+  Vectors v;
+  v.add(n1);
+  v.add(n2);
+  return v;
+}
+
+Vectors corner_arc(const Segment& a, Point after, double r) {
+  const Point before = a.direction_at_end();
+  Vectors v;
+  v.add(normal_at_end(a, r));
+  v.add(left_of(after) * r);
+  v.circular = true;
+  v.turn = cross(before, after) > 0 ? 1 : -1;
+  return v;
+}
+
+Between check(const Segment& block, Point start, Point end) {
+  const Point s = block.from + start, e = block.to + end;
+  if (!block.arc) {
+    return dot(e - s, block.direction_at_start()) < -kAgainst_mm ? Between::reversed : Between::good;
+  }
+  if (length(e - s) < kAgainst_mm && block.sweep < std::numbers::pi) return Between::good;
+  double sweep = swept(s, e, block.center, block.turn);
+  if (sweep < 1e-9 && block.sweep > std::numbers::pi) sweep = 2 * std::numbers::pi;
+  return std::fabs(sweep - block.sweep) > std::numbers::pi ? Between::reversed : Between::good;
+}
+
+Between settle(const Segment& block, Vectors& start, Vectors& end, bool& straight) {
+  straight = false;
+  if (check(block, start.last(), end.first()) == Between::good) return Between::good;
+  Vectors s = start, e = end;
+  while (s.count > 1 || e.count > 1) {
+    if (s.count > 1) --s.count;
+    if (e.count > 1) {
+      for (std::size_t i = 1; i < e.count; ++i) e.at[i - 1] = e.at[i];
+      --e.count;
+    }
+    const Segment way = line(block.from, block.to);
+    if (check(block.arc ? way : block, s.last(), e.first()) != Between::good) continue;
+    s.circular = s.circular && s.count > 1;
+    e.circular = false;
+    start = s;
+    end = e;
+    straight = block.arc;
+    return Between::good;
+  }
+  return Between::reversed;
+}
+
+void merge_near(Vectors& vectors, double limit) {
+  if (vectors.circular || vectors.bare >= 0) return;
+  std::size_t kept = 1;
+  for (std::size_t i = 1; i < vectors.count; ++i) {
+    const Point d = vectors.at[i] - vectors.at[kept - 1];
+    if (std::fabs(d.u) > limit || std::fabs(d.v) > limit) vectors.at[kept++] = vectors.at[i];
+  }
+  if (vectors.count > 0) vectors.count = kept;
+}
+
+}  // namespace headstock::comp

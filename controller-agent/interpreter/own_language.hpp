@@ -1,0 +1,47 @@
+// What a dialect adds that is more than a table: memory of its own, and the places where it reads a block as
+// text before the lexer does. One object a path, made by the dialect (Dialect::make_own); most dialects have
+// none. Belongs to the interpreter's thread.
+#pragma once
+
+#include <cstdint>
+
+namespace headstock::program {
+struct Code;
+}
+
+namespace headstock::interp {
+
+struct Executor;
+struct Frame;
+
+class OwnLanguage {
+ public:
+  virtual ~OwnLanguage() = default;
+  OwnLanguage() = default;
+  OwnLanguage(const OwnLanguage&) = delete;
+  OwnLanguage& operator=(const OwnLanguage&) = delete;
+
+  /// What the dialect says instead of plain reading.
+  enum class Taken : std::uint8_t {
+    plain,  ///< read on as every control does
+    done    ///< the block was carried out, left out, or raised an alarm
+  };
+
+  /// Power-on codes come into force.
+  virtual void power_on(Executor&) {}
+  /// A main program begins.
+  virtual void start(Executor&) {}
+  /// RESET; the program has been left.
+  virtual void reset(Executor&) {}
+  /// Before a block of `frame` is read: block loops end here.
+  virtual Taken before_block(Executor&, Frame&) { return Taken::plain; }
+  /// `frame.line` and `frame.rest` are the text to read; both may be replaced by text that lives as long as
+  /// the line.
+  virtual Taken take_text(Executor&, Frame&) { return Taken::plain; }
+  /// The block's S word. `done`: it was not a speed.
+  virtual Taken take_spindle(Executor&) { return Taken::plain; }
+  /// An M code whose MAction is `own`, after the block's motion. @return false after an alarm.
+  virtual bool m_code(Executor&, const program::Code&) { return true; }
+};
+
+}  // namespace headstock::interp
