@@ -18,6 +18,13 @@ constexpr const char* kAlarm =
     "block, raised_ms, "
     "cleared_ms FROM alarms";
 
+const std::string kState = "SELECT id, machine_id, state, mode, source, from_ms, to_ms FROM state_intervals";
+
+StateRow state_of(const Row& row) {
+  return {row.integer(0), row.integer(1), row.text(2),         row.text(3),
+          row.text(4),    row.integer(5), row.maybe_integer(6)};
+}
+
 PartRow part_of(const Row& row) {
   return {row.integer(0), row.integer(1), row.text(2),    row.integer(3), row.integer(4),
           row.text(5),    row.text(6),    row.integer(7), row.integer(8), row.real(9)};
@@ -137,13 +144,24 @@ std::vector<StateRow> states(Database& db, const HistoryFilter& filter) {
   if (filter.from_ms) where.add("(to_ms IS NULL OR to_ms > ?)", *filter.from_ms);
   if (filter.to_ms) where.add("from_ms < ?", *filter.to_ms);
   std::vector<StateRow> found;
-  db.each("SELECT id, machine_id, state, mode, source, from_ms, to_ms FROM state_intervals" + where.text() +
-              " ORDER BY machine_id, from_ms, id LIMIT 10000",
-          where.values(), [&](const Row& row) {
-            found.push_back({row.integer(0), row.integer(1), row.text(2), row.text(3), row.text(4),
-                             row.integer(5), row.maybe_integer(6)});
-          });
+  db.each(kState + where.text() + " ORDER BY machine_id, from_ms, id LIMIT 10000", where.values(),
+          [&](const Row& row) { found.push_back(state_of(row)); });
   return found;
+}
+
+void each_state(Database& db, const HistoryFilter& filter, const std::function<void(const StateRow&)>& row) {
+  Where where;
+  where.add("machine_id = ?", filter.machine);
+  if (filter.from_ms) {
+    // The intervals are a chain: only the last that begins before the time can reach into it.
+    const auto first =
+        db.integer("SELECT MAX(from_ms) FROM state_intervals WHERE machine_id = ? AND from_ms <= ?",
+                   {filter.machine, *filter.from_ms});
+    where.add("from_ms >= ?", first.value_or(*filter.from_ms));
+  }
+  if (filter.to_ms) where.add("from_ms < ?", *filter.to_ms);
+  db.each(kState + where.text() + " ORDER BY from_ms, id", where.values(),
+          [&](const Row& found) { row(state_of(found)); });
 }
 
 std::int64_t insert_part(Database& db, const PartRow& part) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -81,6 +82,8 @@ Listed<RunRow> runs(Database& db, const HistoryFilter& filter, const Page& page)
 Listed<AlarmRow> alarms(Database& db, const AlarmFilter& filter, const Page& page);
 /// Oldest first, whole intervals that touch the time; at most 10,000.
 std::vector<StateRow> states(Database& db, const HistoryFilter& filter);
+/// The same of one machine, however many. `row` must not use the database.
+void each_state(Database& db, const HistoryFilter& filter, const std::function<void(const StateRow&)>& row);
 
 std::int64_t insert_part(Database& db, const PartRow& part);
 /// Start and end may come in either order and from different batches.

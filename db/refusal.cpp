@@ -24,6 +24,8 @@ constexpr RefusalText kTexts[] = {
     {"bad_profile", invalid, "There is no such controller.", "没有这种控制器。"},
     {"bad_machine_file", invalid, "The machine file has a mistake.", "机床文件有错误。"},
     {"bad_value", invalid, "This value cannot be used.", "该数值不可用。"},
+    {"in_the_future", invalid, "This time has not come yet.", "该时间尚未到来。"},
+    {"shifts_overlap", invalid, "Two shifts overlap.", "班次时间相互重叠。"},
     {"not_empty", conflict, "The folder is not empty.", "文件夹不为空。"},
     {"empty_program", invalid, "The file is empty.", "文件为空。"},
     {"too_large", too_large, "The file is too large.", "文件过大。"},

@@ -2,6 +2,7 @@
 
 #include <cctype>
 #include <fstream>
+#include <optional>
 #include <vector>
 
 #include <boost/asio/co_spawn.hpp>
@@ -14,11 +15,10 @@
 #include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
-#include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket.hpp>
-#include <boost/beast/websocket/ssl.hpp>
 
 #include "command-line/client/output.hpp"
+#include "protocol/stream/byte_stream.hpp"
 
 namespace headstock::client {
 
@@ -34,8 +34,7 @@ using asio::use_awaitable;
 using asio::ip::tcp;
 using std::chrono::seconds;
 
-using Plain = beast::tcp_stream;
-using Secure = beast::ssl_stream<beast::tcp_stream>;
+using protocol::ByteStream;
 
 constexpr seconds connect_time{10};
 constexpr seconds answer_time{120};   // a check may take long; the server answers 202 well before
@@ -44,7 +43,7 @@ Failure cannot_connect(const std::string& where, const std::string& why) {
   return Failure(unreachable, say("cannot reach the server at ", "无法连接服务器 ") + where + ": " + why);
 }
 
-awaitable<void> connect(Plain& stream, const std::string& host, const std::string& port) {
+awaitable<void> connect(beast::tcp_stream& stream, const std::string& host, const std::string& port) {
   tcp::resolver resolver(co_await asio::this_coro::executor);
   const auto found = co_await resolver.async_resolve(host, port, use_awaitable);
   stream.expires_after(connect_time);
@@ -76,13 +75,12 @@ json demand_success(unsigned status, const std::string& body) {
   throw Failure(refused, message_of(status, answer), answer);
 }
 
-/// The stream to a server, whichever kind, with one exchange on it.
-template <class Stream>
+/// One exchange on the stream to a server.
 struct Exchange {
-  Stream& stream;
+  ByteStream& stream;
 
   awaitable<json> request(http::request<http::string_body> message) {
-    auto& lowest = beast::get_lowest_layer(stream);
+    auto& lowest = stream.lowest();
     lowest.expires_after(answer_time);
     co_await http::async_write(stream, message, use_awaitable);
     beast::flat_buffer buffer;
@@ -94,7 +92,7 @@ struct Exchange {
 
   awaitable<json> upload(http::request<http::empty_body> head, std::istream& file, std::uint64_t size,
                          const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
-    auto& lowest = beast::get_lowest_layer(stream);
+    auto& lowest = stream.lowest();
     head.content_length(size);
     http::request_serializer<http::empty_body> serializer{head};
     lowest.expires_after(answer_time);
@@ -119,7 +117,7 @@ struct Exchange {
 
   awaitable<void> download(http::request<http::empty_body> head,
                            const std::function<void(const char*, std::size_t)>& write) {
-    auto& lowest = beast::get_lowest_layer(stream);
+    auto& lowest = stream.lowest();
     lowest.expires_after(answer_time);
     co_await http::async_write(stream, head, use_awaitable);
     beast::flat_buffer buffer;
@@ -148,10 +146,9 @@ struct Exchange {
   }
 };
 
-template <class Stream>
-awaitable<void> follow(websocket::stream<Stream>& socket, const std::string& host, const std::string& token,
+awaitable<void> follow(websocket::stream<ByteStream>& socket, const std::string& host, const std::string& token,
                        const json& subscription, const std::function<bool(const json&)>& message) {
-  beast::get_lowest_layer(socket).expires_never();
+  socket.next_layer().lowest().expires_never();
   socket.set_option(websocket::stream_base::timeout::suggested(beast::role_type::client));
   socket.set_option(websocket::stream_base::decorator([&token](websocket::request_type& request) {
     request.set(http::field::authorization, "Bearer " + token);
@@ -185,28 +182,20 @@ ssl::context tls_context(const std::filesystem::path& ca) {
 }
 
 /// Opens the kind of stream the server needs, runs `use` on it, and turns what goes wrong into a Failure.
-template <class Use>
-void with_stream(const Server& server, bool secure, const std::string& host, const std::string& port, Use use) {
+void with_stream(const Server& server, bool secure, const std::string& host, const std::string& port,
+                 const std::function<awaitable<void>(ByteStream&)>& use) {
   asio::io_context io;
   std::exception_ptr failed;
   auto work = [&]() -> awaitable<void> {
-    if (!secure) {
-      Plain stream(io);
-      co_await connect(stream, host, port);
-      co_await use(stream);
-    } else {
-      ssl::context context = tls_context(server.ca);
-      Secure stream(io, context);
-      stream.set_verify_callback(ssl::host_name_verification(host));
-      SSL_set_tlsext_host_name(stream.native_handle(), host.c_str());
-      co_await connect(beast::get_lowest_layer(stream), host, port);
-      boost::system::error_code error;
-      co_await stream.async_handshake(ssl::stream_base::client, asio::redirect_error(use_awaitable, error));
-      if (error)
-        throw Failure(unreachable, say("the server's certificate is not trusted; give the shop's CA (DATA/pki on the server) with login --ca: ",
-                                       "服务器证书不受信任；请用 login --ca 指定车间 CA 证书（位于服务器的 DATA/pki）：") + error.message());
-      co_await use(stream);
-    }
+    std::optional<ssl::context> context;
+    if (secure) context = tls_context(server.ca);
+    ByteStream stream(tcp::socket(io), context ? &*context : nullptr);
+    stream.demand_host(host);
+    co_await connect(stream.lowest(), host, port);
+    if (const auto error = co_await stream.handshake(ssl::stream_base::client))
+      throw Failure(unreachable, say("the server's certificate is not trusted; give the shop's CA (DATA/pki on the server) with login --ca: ",
+                                     "服务器证书不受信任；请用 login --ca 指定车间 CA 证书（位于服务器的 DATA/pki）：") + error.message());
+    co_await use(stream);
   };
   asio::co_spawn(io, work(), [&](std::exception_ptr error) { failed = error; });
   io.run();
@@ -280,8 +269,8 @@ json Connection::send(const std::string& method, const std::string& path, const 
   }
   request.prepare_payload();
   json answer;
-  with_stream(server_, secure_, host_, port_, [&]<class Stream>(Stream& stream) -> awaitable<void> {
-    Exchange<Stream> exchange{stream};
+  with_stream(server_, secure_, host_, port_, [&](ByteStream& stream) -> awaitable<void> {
+    Exchange exchange{stream};
     answer = co_await exchange.request(std::move(request));
   });
   return answer;
@@ -294,26 +283,26 @@ json Connection::upload(const std::string& path, const std::filesystem::path& fi
   std::ifstream in(file, std::ios::binary);
   if (error || !in) throw Failure(usage, say("cannot read ", "无法读取 ") + file.string());
   json answer;
-  with_stream(server_, secure_, host_, port_, [&]<class Stream>(Stream& stream) -> awaitable<void> {
+  with_stream(server_, secure_, host_, port_, [&](ByteStream& stream) -> awaitable<void> {
     auto head = message<http::empty_body>(http::verb::post, path, host_, server_.token);
     head.set(http::field::content_type, "application/octet-stream");
-    Exchange<Stream> exchange{stream};
+    Exchange exchange{stream};
     answer = co_await exchange.upload(std::move(head), in, size, progress);
   });
   return answer;
 }
 
 void Connection::download(const std::string& path, const std::function<void(const char*, std::size_t)>& write) {
-  with_stream(server_, secure_, host_, port_, [&]<class Stream>(Stream& stream) -> awaitable<void> {
+  with_stream(server_, secure_, host_, port_, [&](ByteStream& stream) -> awaitable<void> {
     auto head = message<http::empty_body>(http::verb::get, path, host_, server_.token);
-    Exchange<Stream> exchange{stream};
+    Exchange exchange{stream};
     co_await exchange.download(std::move(head), write);
   });
 }
 
 void Connection::watch(const json& subscription, const std::function<bool(const json&)>& on_message) {
-  with_stream(server_, secure_, host_, port_, [&]<class Stream>(Stream& stream) -> awaitable<void> {
-    websocket::stream<Stream> socket(std::move(stream));
+  with_stream(server_, secure_, host_, port_, [&](ByteStream& stream) -> awaitable<void> {
+    websocket::stream<ByteStream> socket(std::move(stream));
     const std::string host = host_ + ":" + port_;
     co_await follow(socket, host, server_.token, subscription, on_message);
   });

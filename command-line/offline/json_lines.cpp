@@ -145,6 +145,7 @@ void JsonLines::append(const interp::Operation& operation, std::string& out) con
         } else if constexpr (std::is_same_v<T, interp::Feed>) {
           r.motion("feed", op);
           r.feed(op.feed, op.unit);
+          if (op.skip_signals != 0) r.count("skip", op.skip_signals);
         } else if constexpr (std::is_same_v<T, interp::Arc>) {
           r.motion("arc", op);
           r.feed(op.feed, op.unit);
@@ -152,7 +153,9 @@ void JsonLines::append(const interp::Operation& operation, std::string& out) con
           r.word("plane", plane.name);
           r.word("dir", op.turn == interp::Turn::cw ? "cw" : "ccw");
           std::uint32_t in_plane = 0;
+          if (op.axis_1 != interp::Arc::kByPlane) in_plane = 1u << op.axis_1 | 1u << op.axis_2;
           for (const char name : {plane.first, plane.second}) {
+            if (op.axis_1 != interp::Arc::kByPlane) break;
             if (const auto axis = machine_.axis_index(name)) in_plane |= 1u << *axis;
           }
           r.axes("center", op.center_work, in_plane);
@@ -173,6 +176,7 @@ void JsonLines::append(const interp::Operation& operation, std::string& out) con
           r.word("dir", kDirections[static_cast<std::size_t>(op.direction)]);
           r.value(op.constant_surface_speed ? "m_min" : "rpm", op.speed);
           if (op.clamp_rpm != 0) r.value("clamp", op.clamp_rpm);
+          if (op.gear != 0) r.count("gear", op.gear);
         } else if constexpr (std::is_same_v<T, interp::Tool>) {
           r.begin("tool", op.at);
           r.count("tool", op.tool);
@@ -202,6 +206,31 @@ void JsonLines::append(const interp::Operation& operation, std::string& out) con
           r.word("text", dialects::alarm_text(profile_, op.code).en);
           if (!op.detail.empty()) r.word("detail", op.detail);
           r.count("column", op.at.column);
+        } else if constexpr (std::is_same_v<T, interp::ContourMode>) {
+          r.begin("contour_mode", op.at);
+          r.truth("on", op.on);
+          if (op.level != 0) r.count("level", op.level);
+          if (op.reference_feed != 0) r.value("f", op.reference_feed);
+        } else if constexpr (std::is_same_v<T, interp::StrokeCheck>) {
+          r.begin("stroke_check", op.at);
+          r.truth("on", op.on);
+          if (op.axes != 0) {
+            r.truth("outside", op.outside_forbidden);
+            r.axes("most", op.most, op.axes);
+            r.axes("least", op.least, op.axes);
+          }
+        } else if constexpr (std::is_same_v<T, interp::SpindleWatch>) {
+          r.begin("spindle_watch", op.at);
+          r.truth("on", op.on);
+          if (op.on) {
+            r.value("delay", op.delay_s);
+            r.value("reached", op.reached_ratio);
+            r.value("ratio", op.ratio);
+            r.value("width", op.width_rpm);
+          }
+        } else if constexpr (std::is_same_v<T, interp::SecondAuxiliary>) {
+          r.begin("aux", op.at);
+          r.count("code", op.code);
         } else {
           r.begin("end", op.at);
           constexpr std::string_view kReasons[] = {"m02", "m30", "m99", "end_of_file", "alarm"};

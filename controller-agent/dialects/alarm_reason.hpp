@@ -105,7 +105,42 @@ enum class AlarmReason : std::uint8_t {
   external_not_found,    ///< M198: no such file
   external_twice,        ///< M198 in a program called by M198
   endless_loop,  ///< jumps without end and without motion: ours, controllers just hang
-  count_         // number of reasons
+  // ---- modes: coordinates, skip, data input. A dialect without a number for one of these uses that of the
+  // reason named behind it (see dialect.cpp).
+  g_not_now,               ///< a code that another mode forbids: as illegal_g
+  scale_value,             ///< magnification 0 or too large: as value_range
+  scaling_code,            ///< a code that scaling forbids: as illegal_g
+  rotation_plane,          ///< arc in another plane than the rotation's: as arc_plane
+  polar_axis,              ///< polar interpolation: axes wrong: as arc_plane
+  polar_code,              ///< polar interpolation: code not allowed: as illegal_g
+  cylinder_axis,           ///< cylindrical interpolation: axis wrong: as arc_plane
+  cylinder_code,           ///< cylindrical interpolation: code not allowed: as illegal_g
+  skip_not_allowed,        ///< G31 under compensation: as illegal_g
+  skip_format,             ///< G31 P98/P99 needs exactly one axis: as value_range
+  skip_number,             ///< G31 P, G04 Q: as value_range
+  unit_change,             ///< G20/G21 in a state that forbids it: as illegal_g
+  unit_change_place,       ///< G20/G21 away from the reference point: as illegal_g
+  increment_limit,         ///< G91.1: as value_range
+  look_ahead_format,       ///< G08 P: as value_range
+  data_number,             ///< G10 P: as data_input
+  parameter_format,        ///< G10 L52: as data_input
+  parameter_word_missing,  ///< N or R: as data_input
+  parameter_number,        ///< no such parameter: as data_input
+  parameter_axis,          ///< no such axis: as data_input
+  parameter_axis_missing,  ///< P missing: as data_input
+  parameter_no_axis,       ///< P where none may be: as data_input
+  parameter_range,         ///< R: as data_input
+  parameter_sign,          ///< R: as minus_sign
+  surface_axis,            ///< G96 P: as value_range
+  helix_axes,              ///< more than two axes beside the arc: as arc_plane
+  arc_foreign_axis,        ///< an axis parallel to one of the plane: as arc_plane
+  arc_in_rapid,            ///< F0 with G02/G03: as feed_missing
+  thread_lead_change,      ///< the lead becomes negative or too large: as thread_lead
+  setting_with_length,     ///< G92 while the length offset changes: as illegal_g
+  too_many_axes,           ///< more axes at once than the control interpolates: as illegal_address
+  single_direction_axis,   ///< G60
+  spindle_number,          ///< P of S or G96.1: as value_range
+  count_                   // number of reasons
 };
 
 inline constexpr std::size_t kAlarmReasons = static_cast<std::size_t>(AlarmReason::count_);

@@ -1,10 +1,12 @@
 #include "dialects/dialect.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 
+#include "cycles/handlers.hpp"
 #include "dialects/build.hpp"
 #include "interpreter/handlers.hpp"
 
@@ -16,6 +18,45 @@ namespace {
                std::string(what).c_str());
   std::abort();
 }
+
+using R = AlarmReason;
+
+// Reasons that only some controls print a number of their own for, and whose number the others print.
+constexpr std::pair<R, R> kFinerReasons[] = {
+    {R::g_not_now, R::illegal_g},
+    {R::scale_value, R::value_range},
+    {R::scaling_code, R::illegal_g},
+    {R::rotation_plane, R::arc_plane},
+    {R::polar_axis, R::arc_plane},
+    {R::polar_code, R::illegal_g},
+    {R::cylinder_axis, R::arc_plane},
+    {R::cylinder_code, R::illegal_g},
+    {R::skip_not_allowed, R::illegal_g},
+    {R::skip_format, R::value_range},
+    {R::skip_number, R::value_range},
+    {R::unit_change, R::illegal_g},
+    {R::unit_change_place, R::illegal_g},
+    {R::increment_limit, R::value_range},
+    {R::look_ahead_format, R::value_range},
+    {R::data_number, R::data_input},
+    {R::parameter_format, R::data_input},
+    {R::parameter_word_missing, R::data_input},
+    {R::parameter_number, R::data_input},
+    {R::parameter_axis, R::data_input},
+    {R::parameter_axis_missing, R::data_input},
+    {R::parameter_no_axis, R::data_input},
+    {R::parameter_range, R::data_input},
+    {R::parameter_sign, R::minus_sign},
+    {R::surface_axis, R::value_range},
+    {R::helix_axes, R::arc_plane},
+    {R::arc_foreign_axis, R::arc_plane},
+    {R::arc_in_rapid, R::feed_missing},
+    {R::thread_lead_change, R::thread_lead},
+    {R::setting_with_length, R::illegal_g},
+    {R::too_many_axes, R::illegal_address},
+    {R::single_direction_axis, R::illegal_address},
+    {R::spindle_number, R::value_range},
+};
 
 // "G54.1" → 541.
 std::int16_t tenths_of(std::string_view code) {
@@ -55,6 +96,11 @@ void add_g_codes(Dialect& dialect, std::span<const GRow> rows, std::span<const O
       code.handler = common->handler;
       found = true;
     }
+    if (const auto* cycle = cycles::find(row[5]); !found && cycle != nullptr) {
+      code.phase = cycle->phase;
+      code.handler = cycle->handler;
+      code.cycle = found = true;
+    }
     if (!found) broken_table(dialect, row[5]);
     for (std::size_t system = 0; system < 3; ++system) {
       std::string_view names = row[system];
@@ -79,6 +125,12 @@ void set_alarm_codes(Dialect& dialect, std::string_view otherwise,
   dialect.alarm_codes.fill(otherwise);
   dialect.alarm_codes[static_cast<std::size_t>(AlarmReason::endless_loop)] = "HS0001";  // ours: see README
   for (const auto& [reason, code] : codes) dialect.alarm_codes[static_cast<std::size_t>(reason)] = code;
+  const auto given = [&codes](AlarmReason reason) {
+    return std::any_of(codes.begin(), codes.end(), [reason](const auto& code) { return code.first == reason; });
+  };
+  for (const auto& [fine, coarse] : kFinerReasons) {
+    if (!given(fine)) dialect.set_alarm_code(fine, dialect.alarm_code(coarse));
+  }
 }
 
 std::vector<MRule> usual_m_rules() {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "dialects/alarm_reason.hpp"
+#include "dialects/mode_rules.hpp"
 #include "interpreter/own_language.hpp"
 #include "machine/machine.hpp"
 
@@ -43,6 +44,7 @@ struct GCode {
   Handler handler = nullptr;
   std::string_view name;  ///< "G54.1", static storage: also what cycles are named by
   bool power_on = false;  ///< in force after power-on
+  bool cycle = false;     ///< a canned cycle: letters like U and W are words of its own
 };
 
 /// The G codes of one G-code system, found by number without searching.
@@ -122,6 +124,8 @@ struct ArcRules {
   std::string_view tolerance_parameter = {};
   bool negative_r = true;
   bool r_and_center_is_alarm = false;
+  bool feed_on_arc = false;  ///< F of a helix counts along the arc, not along the path
+  std::string_view feed_on_path_parameter = {};  ///< bit: along the path after all
   bool closed_by_r_is_alarm = false;  ///< start = end with R: an alarm instead of no motion
 };
 
@@ -167,6 +171,7 @@ struct Dialect {
   ThreadRules threads;
   CallRules calls;
   ToolRules tools;
+  ModeRules modes;
   Repeated repeated_words = Repeated::last_wins;
   std::string_view repeated_alarm_parameter;  ///< bit: alarm after all
   std::uint32_t may_repeat = 0;               ///< letters that may repeat in spite of `alarm`

@@ -7,11 +7,11 @@
 namespace headstock::interp {
 namespace {
 
-struct PlaneAxes {
-  char first, second;                // axis names
+struct PlaneWords {
+  char first, second;                // basic axes, for texts
   char center_first, center_second;  // their centre words
 };
-constexpr PlaneAxes kPlanes[] = {{'X', 'Y', 'I', 'J'}, {'Z', 'X', 'K', 'I'}, {'Y', 'Z', 'J', 'K'}};
+constexpr PlaneWords kPlanes[] = {{'X', 'Y', 'I', 'J'}, {'Z', 'X', 'K', 'I'}, {'Y', 'Z', 'J', 'K'}};
 
 struct Point {
   double first = 0, second = 0;
@@ -43,22 +43,42 @@ double swept(Point from, Point to, Point center, Turn turn) {
 
 }  // namespace
 
-bool Executor::arc(Turn turn) {
-  const PlaneAxes& names = kPlanes[static_cast<std::size_t>(plane)];
-  const auto first = axis_named(names.first);
-  const auto second = axis_named(names.second);
-  if (!first || !second)
-    return alarm(AlarmReason::arc_plane, code_column, std::string{names.first, names.second});
-
-  const Point from{slide_mm(*first), slide_mm(*second)};
-  std::uint32_t moved = 0;
-  if (!take_targets(moved)) return false;
-  const auto target = [this](std::size_t axis) {
-    return static_cast<double>(round_to(axes[axis].position, axes[axis].increment)) / 1e9 *
-           axes[axis].mm_per_unit;
+// Axes beside the plane make a helix; an axis parallel to one of the plane's has no place in the block.
+bool Executor::only_helix_axes(std::uint32_t moved, std::size_t first, std::size_t second) {
+  const auto basic = [this](std::size_t i) {
+    const int role = role_of(i);
+    return role > 4 ? role - 4 : role;
   };
-  const Point to{target(*first), target(*second)};
-  moved |= 1u << *first | 1u << *second;
+  int beside = 0;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if ((moved >> i & 1u) == 0 || i == first || i == second) continue;
+    const int role = basic(i);
+    if (role != 0 && (role == basic(first) || role == basic(second)))
+      return alarm(AlarmReason::arc_foreign_axis, block.has(axes[i].name) ? block[axes[i].name].column : 0,
+                   std::string(1, axes[i].name));
+    if (++beside > 2) return alarm(AlarmReason::helix_axes, code_column, std::string(1, axes[i].name));
+  }
+  return true;
+}
+
+bool Executor::arc(Turn turn) {
+  const PlaneWords& names = kPlanes[static_cast<std::size_t>(plane)];
+  const PlaneIndex in_plane = plane_axes();
+  if (in_plane.first < 0 || in_plane.second < 0)
+    return alarm(AlarmReason::arc_plane, code_column, std::string{names.first, names.second});
+  const auto first = static_cast<std::size_t>(in_plane.first),
+             second = static_cast<std::size_t>(in_plane.second);
+  if (transform.rotated && (transform.first != first || transform.second != second))
+    return alarm(AlarmReason::rotation_plane, code_column, std::string{names.first, names.second});
+  if (one_digit_rapid) return alarm(AlarmReason::arc_in_rapid, code_column, "F0");
+
+  const Point from{slide_mm(first), slide_mm(second)};
+  std::uint32_t moved = 0;
+  if (!take_targets(moved) || !only_helix_axes(moved, first, second)) return false;
+  const AxisVector target = targets_mm();
+  const Point to{target[first], target[second]};
+  moved |= 1u << first | 1u << second;
+  if (transform.active() && transform.reverses(first, second)) turn = turn == Turn::cw ? Turn::ccw : Turn::cw;
 
   double tolerance = data.parameter(dialect.arcs.tolerance_parameter, dialect.arcs.tolerance_mm);
   if (switches.lenient)
@@ -71,7 +91,7 @@ bool Executor::arc(Turn turn) {
     const program::Word& word = block['R'];
     if (by_center && dialect.arcs.r_and_center_is_alarm)
       return alarm(AlarmReason::arc_r_and_center, word.column, "R");
-    const double wanted = length_mm(word);
+    const double wanted = length_mm(word) * (transform.active() ? transform.radius_factor(first, second) : 1);
     if (wanted == 0) return alarm(AlarmReason::arc_no_center, word.column, "R");
     if (wanted < 0 && !dialect.arcs.negative_r) return alarm(AlarmReason::arc_negative_r, word.column, "R");
     const double chord = distance(from, to);
@@ -86,7 +106,11 @@ bool Executor::arc(Turn turn) {
     radius = std::max(std::fabs(wanted), chord / 2);
   } else if (by_center) {
     const auto offset = [this](char letter) { return block.has(letter) ? length_mm(block[letter]) : 0; };
-    center = {from.first + offset(names.center_first), from.second + offset(names.center_second)};
+    AxisVector way{};
+    way[first] = offset(names.center_first);
+    way[second] = offset(names.center_second);
+    if (transform.active()) way = transform.turn(way);
+    center = {from.first + way[first], from.second + way[second]};
     radius = distance(from, center);
     const program::Word& word =
         block.has(names.center_first) ? block[names.center_first] : block[names.center_second];
@@ -109,14 +133,17 @@ bool Executor::arc(Turn turn) {
   motion.unit = unit;
   motion.plane = plane;
   motion.turn = turn;
+  motion.axis_1 = static_cast<std::uint8_t>(first);
+  motion.axis_2 = static_cast<std::uint8_t>(second);
+  motion.feed_on_arc = dialect.arcs.feed_on_arc && !data.bit(dialect.arcs.feed_on_path_parameter);
   motion.radius_mm = radius;
   motion.turns = angle / (2 * std::numbers::pi);
   motion.center_work = motion.end_work;
   motion.center_machine = motion.end_machine;
-  motion.center_work[*first] = center.first / axes[*first].mm_per_unit;
-  motion.center_work[*second] = center.second / axes[*second].mm_per_unit;
-  motion.center_machine[*first] = center.first + modal.work_zero[*first];
-  motion.center_machine[*second] = center.second + modal.work_zero[*second];
+  motion.center_work[first] = center.first / axes[first].mm_per_unit;
+  motion.center_work[second] = center.second / axes[second].mm_per_unit;
+  motion.center_machine[first] = center.first + modal.work_zero[first];
+  motion.center_machine[second] = center.second + modal.work_zero[second];
   return true;
 }
 

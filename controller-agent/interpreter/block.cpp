@@ -38,6 +38,9 @@ bool Executor::execute() {
 }
 
 bool Executor::execute_words() {
+  // Data of G10 … up to G11. A lone G11 is an ordinary code.
+  if (data_input.line != nullptr && !(block.g_count == 1 && block.g[0].tenths == 110))
+    return check_words() && data_input.line(*this);
   if (!check_words() || !take_codes()) return false;
   if (setting_count != 0 && !run_settings()) return false;
   if ((block.words & kFeedSpindleTool) != 0) {
@@ -49,7 +52,8 @@ bool Executor::execute_words() {
   if (spindle_changed) emit_spindle();
 
   // A move of an axis that the machine does not have must not be left out silently.
-  if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters; wrong != 0) {
+  if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters;
+      wrong != 0 && (action == nullptr || !action->cycle)) {
     const char letter = lowest_letter(wrong);
     return alarm(AlarmReason::illegal_address, block[letter].column, std::string(1, letter));
   }
@@ -71,9 +75,21 @@ bool Executor::execute_words() {
     code = motion_code;
     if (!motion_code->handler(*this)) return false;
   }
+  if (cycle.starts_cycle) {  // the cycle's moves come first
+    cycle.starts_cycle = false;
+    if (block.m_count != 0) cycle.deferred = std::make_unique<program::Block>(block);
+    return true;
+  }
   if (block.m_count != 0 && !(run_m_codes(true) && run_program_flow())) return false;
   if (move_calls && motions != motions_before && !finished) return call_modal();
   return true;
+}
+
+bool Executor::run_deferred() {
+  if (cycle.deferred == nullptr) return true;
+  block = *cycle.deferred;
+  cycle.deferred.reset();
+  return run_m_codes(true) && run_program_flow();
 }
 
 bool Executor::check_words() {
@@ -147,10 +163,11 @@ bool Executor::take_codes() {
       !switches.lenient) {
     return alarm(AlarmReason::g_one_shot_and_motion, action_column, std::string(action->name));
   }
-  if (action != nullptr && block.has('T') && dialect.t_refused_with_actions) {
+  if (action != nullptr && block.has('T') && dialect.t_refused_with_actions && !action->cycle) {
     return alarm(AlarmReason::t_not_allowed, block['T'].column, std::string(action->name));
   }
   if (new_motion != nullptr) motion_code = new_motion;
+  if (new_motion != nullptr || action != nullptr) cycle.on_codes(new_motion, action);
   return true;
 }
 

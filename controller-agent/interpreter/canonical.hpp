@@ -46,6 +46,14 @@ enum class Plane : std::uint8_t { xy, zx, yz };
 enum class Turn : std::uint8_t { cw, ccw };
 enum class FeedUnit : std::uint8_t { mm_per_minute, mm_per_revolution, inverse_time };
 
+/// What G61…G64 say about the joints of cutting moves.
+enum class CuttingMode : std::uint8_t {
+  cutting,          ///< G64
+  exact_stop,       ///< G61
+  corner_override,  ///< G62: slower in inner corners under cutter compensation
+  tapping           ///< G63: no deceleration at joints; feed override is 100 % and feed hold waits
+};
+
 /// What all moves have in common.
 struct Motion {
   SourcePosition at;
@@ -56,18 +64,27 @@ struct Motion {
   std::uint32_t axes = 0;       ///< bit i: axis i was programmed or moves
   const char* cycle = nullptr;  ///< "G71" when a canned cycle made the move; static storage
   bool exact_stop = false;      ///< G09/G61: decelerate to zero and check in-position at the end
+  CuttingMode cutting_mode = CuttingMode::cutting;
 };
+
+/// Bits of `Feed::skip_signals` and `Dwell::skip_signals`: SKIP, SKIP2 … SKIP8, then the torque limit.
+inline constexpr std::uint16_t kSkipTorque = 1u << 8;
 
 /// G00: every axis at its own rapid rate, on a straight line or not as the controller's parameter says.
 struct Rapid : Motion {
   bool linear = false;  ///< interpolated rapid (LRP): all axes arrive together on a straight line
   bool machine_coordinates = false;  ///< G53, G28 and the like
+  bool overlap = false;              ///< G53 P1: the next rapid may begin before this one stands still
 };
 
 /// G01.
 struct Feed : Motion {
   double feed = 0;  ///< mm/min, mm/rev, or 1/min by `unit`; already metric
   FeedUnit unit = FeedUnit::mm_per_minute;
+  /// G31: any of these signals ends the move where the axes are. Whoever carries it out lets the move end, tells
+  /// the interpreter by `skip_ended` where and why, and only then asks for the next operation. 0: no skip.
+  std::uint16_t skip_signals = 0;
+  bool skip_overridable = false;  ///< override, dry run and acceleration apply to a skip move (0i-D SKF)
 };
 
 /// G02/G03, helix and spiral.
@@ -76,6 +93,10 @@ struct Arc : Motion {
   FeedUnit unit = FeedUnit::mm_per_minute;
   Plane plane = Plane::xy;
   Turn turn = Turn::cw;  ///< as seen in the plane (first axis → second axis), not as the post is mounted
+  /// Axes of the plane where they are not X Y Z (parallel axes); kByPlane: those that `plane` names.
+  std::uint8_t axis_1 = kByPlane, axis_2 = kByPlane;
+  static constexpr std::uint8_t kByPlane = 0xff;
+  bool feed_on_arc = false;  ///< helix: `feed` counts along the arc without the linear axes (0i-D HTG=0)
   AxisVector
       center_work{};  ///< programming units, X as a diameter where so; only the plane's axes are meaningful
   AxisVector center_machine{};  ///< mm
@@ -96,6 +117,7 @@ struct Dwell {
   ModalSnapshot modal;
   double seconds = 0;
   double revolutions = 0;
+  std::uint16_t skip_signals = 0;  ///< G04 Q: any of these ends it early
 };
 
 enum class SpindleDirection : std::uint8_t { stop, cw, ccw };
@@ -107,6 +129,43 @@ struct Spindle {
   double speed = 0;  ///< rpm, or surface speed in m/min
   bool constant_surface_speed = false;
   double clamp_rpm = 0;  ///< 0: none
+  std::uint8_t surface_axis = kSurfaceX;  ///< index of the axis whose work coordinate is the radius under G96
+  static constexpr std::uint8_t kSurfaceX = 0xff;  ///< the X axis
+  std::uint8_t gear = 0;  ///< selected by the control from S (M-type gear shift): 1…4; 0: the machine's affair
+};
+
+/// G08 P, G05.1 Q: look-ahead ("AI contour") control on or off.
+struct ContourMode {
+  SourcePosition at;
+  bool on = false;
+  std::int32_t level = 0;       ///< R: 1 fast … 10 precise; 0: not given
+  double reference_feed = 0;    ///< F: feed the bell-shaped acceleration is tuned to [mm/min]; 0: not given
+};
+
+/// G22/G23: stored stroke check 2 on or off. The corners are in the parameters too.
+struct StrokeCheck {
+  SourcePosition at;
+  bool on = false;
+  bool outside_forbidden = false;
+  std::uint32_t axes = 0;            ///< axes that have limits
+  AxisVector most{}, least{};        ///< slide positions in machine coordinates [mm, degrees]
+};
+
+/// G25/G26: supervision of the spindle's speed.
+struct SpindleWatch {
+  SourcePosition at;
+  bool on = false;
+  double delay_s = 0;        ///< P: from a new S until the check begins at the latest
+  double reached_ratio = 0;  ///< Q: tolerance of "speed reached", 0.15 = 15 %
+  double ratio = 0;          ///< R: allowed fluctuation
+  double width_rpm = 0;      ///< I: allowed fluctuation; the wider one counts
+};
+
+/// Second auxiliary function (B, or the address the parameters say): goes to the machine as MCode does.
+struct SecondAuxiliary {
+  SourcePosition at;
+  ModalSnapshot modal;
+  std::int64_t code = 0;
 };
 
 /// T word (lathe: tool and offset; mill: the tool to prepare; M06 is an MCode).
@@ -169,6 +228,7 @@ struct End {
 };
 
 using Operation =
-    std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm, End>;
+    std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm, End, ContourMode,
+                 StrokeCheck, SpindleWatch, SecondAuxiliary>;
 
 }  // namespace headstock::interp

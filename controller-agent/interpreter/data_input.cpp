@@ -1,10 +1,15 @@
 // G10: offsets written by the program. Every write is reported, so that it is stored.
 #include <bit>
+#include <cmath>
 
 #include "interpreter/executor.hpp"
 #include "interpreter/handlers.hpp"
 
 namespace headstock::interp::handlers {
+
+bool parameter_input(Executor& ex);  // parameter_input.cpp
+bool pitch_input(Executor& ex);
+
 namespace {
 
 // A value as the offset page shows it: mm, diameter on a diameter axis.
@@ -21,20 +26,25 @@ void write(Executor& ex, double& cell, double value, const std::string& what) {
 }
 
 template <typename Cell>
-bool write_axis_words(Executor& ex, const std::string& what, const Cell& cell_of) {
-  for (std::uint32_t mask = ex.block.words & ex.axis_letters; mask != 0; mask &= mask - 1) {
+bool write_axis_words(Executor& ex, const std::string& what, const Cell& cell_of,
+                      std::uint32_t letters = ~0u) {
+  for (std::uint32_t mask = ex.block.words & ex.axis_letters & letters; mask != 0; mask &= mask - 1) {
     const auto letter = static_cast<unsigned>(std::countr_zero(mask));
     const auto axis = static_cast<std::size_t>(ex.axis_of[letter]);
     const bool by = ex.incremental || (ex.incremental_letters >> letter & 1u) != 0;
     double& cell = cell_of(axis);
-    write(ex, cell, page_value(ex, ex.block.word[letter], axis) + (by ? cell : 0), what + ex.axes[axis].name);
+    const double value = page_value(ex, ex.block.word[letter], axis) + (by ? cell : 0);
+    if (std::fabs(value) > ex.dialect.modes.largest_offset)
+      return ex.alarm(AlarmReason::data_value, ex.block.word[letter].column,
+                      std::string(1, static_cast<char>('A' + letter)));
+    write(ex, cell, value, what + ex.axes[axis].name);
   }
   return true;
 }
 
 ToolOffset* tool_offset(Executor& ex, std::int64_t number) {
   if (number < 1 || number > static_cast<std::int64_t>(ex.dialect.tools.most_offsets)) {
-    ex.alarm(AlarmReason::data_input, ex.block['P'].column, "P" + std::to_string(number));
+    ex.alarm(AlarmReason::data_number, ex.block['P'].column, "P" + std::to_string(number));
     return nullptr;
   }
   if (ex.data.tools.size() <= static_cast<std::size_t>(number)) {
@@ -45,25 +55,29 @@ ToolOffset* tool_offset(Executor& ex, std::int64_t number) {
 
 bool work_offset(Executor& ex, std::int64_t p) {
   const std::int64_t system = p - ex.dialect.first_g10_work;
+  bool ok = false;
   if (ex.dialect.first_g10_work == 1 && p == 0) {
-    write_axis_words(ex, "work/EXT/", [&](std::size_t i) -> double& { return ex.data.work_external[i]; });
+    ok =
+        write_axis_words(ex, "work/EXT/", [&](std::size_t i) -> double& { return ex.data.work_external[i]; });
   } else if (system >= 0 && system < 6) {
     auto& zero = ex.data.work[static_cast<std::size_t>(system)];
-    write_axis_words(ex, "work/G" + std::to_string(54 + system) + "/",
-                     [&](std::size_t i) -> double& { return zero[i]; });
+    ok = write_axis_words(ex, "work/G" + std::to_string(54 + system) + "/",
+                          [&](std::size_t i) -> double& { return zero[i]; });
   } else {
-    return ex.alarm(AlarmReason::data_input, ex.block['P'].column, "P" + std::to_string(p));
+    return ex.alarm(AlarmReason::data_number, ex.block['P'].column, "P" + std::to_string(p));
   }
+  if (!ok) return false;
   ex.update_zeros();
   return true;
 }
 
 bool work_extra_offset(Executor& ex, std::int64_t p) {
   if (p < 1 || p > 48)
-    return ex.alarm(AlarmReason::data_input, ex.block['P'].column, "P" + std::to_string(p));
+    return ex.alarm(AlarmReason::data_number, ex.block['P'].column, "P" + std::to_string(p));
   auto& zero = ex.data.work_extra[static_cast<std::size_t>(p - 1)];
-  write_axis_words(ex, "work/G54.1P" + std::to_string(p) + "/",
-                   [&](std::size_t i) -> double& { return zero[i]; });
+  if (!write_axis_words(ex, "work/G54.1P" + std::to_string(p) + "/",
+                        [&](std::size_t i) -> double& { return zero[i]; }))
+    return false;
   ex.update_zeros();
   return true;
 }
@@ -87,15 +101,18 @@ bool mill_tool(Executor& ex, std::int64_t l, std::int64_t p) {
     cell = &tool->radius_wear;
     what = place + "radius_wear";
   }
-  const double value = ex.length_mm(ex.block['R']);
-  write(ex, *cell, value + (ex.incremental ? *cell : 0), what);
+  const double value = ex.length_mm(ex.block['R']) + (ex.incremental ? *cell : 0);
+  if (std::fabs(value) > ex.dialect.modes.largest_offset)
+    return ex.alarm(AlarmReason::data_value, ex.block['R'].column, "R");
+  write(ex, *cell, value, what);
   return true;
 }
 
 // Lathe: G10 P n is wear offset n, P 10000+n geometry offset n (0i-D T, K2000TC with wear offsets).
 bool lathe_tool(Executor& ex, std::int64_t p) {
   if (p == 0) {
-    write_axis_words(ex, "work/shift/", [&](std::size_t i) -> double& { return ex.data.work_shift[i]; });
+    if (!write_axis_words(ex, "work/shift/", [&](std::size_t i) -> double& { return ex.data.work_shift[i]; }))
+      return false;
     ex.update_zeros();
     return true;
   }
@@ -104,11 +121,19 @@ bool lathe_tool(Executor& ex, std::int64_t p) {
   ToolOffset* tool = tool_offset(ex, number);
   if (tool == nullptr) return false;
   const std::string place = "tool/" + std::to_string(number) + (geometry ? "/geometry/" : "/wear/");
-  write_axis_words(ex, place,
-                   [&](std::size_t i) -> double& { return geometry ? tool->geometry[i] : tool->wear[i]; });
+  if (!write_axis_words(
+          ex, place, [&](std::size_t i) -> double& { return geometry ? tool->geometry[i] : tool->wear[i]; },
+          program::letters("XYZUVW")))
+    return false;
   const std::string radius = "tool/" + std::to_string(number) + (geometry ? "/radius" : "/radius_wear");
-  if (ex.block.has('R'))
-    write(ex, geometry ? tool->radius : tool->radius_wear, ex.length_mm(ex.block['R']), radius);
+  double& nose = geometry ? tool->radius : tool->radius_wear;
+  for (const char letter : {'R', 'C'}) {  // R sets the nose radius, C adds to it
+    if (!ex.block.has(letter)) continue;
+    const double value = ex.length_mm(ex.block[letter]) + (letter == 'C' ? nose : 0);
+    if (std::fabs(value) > ex.dialect.modes.largest_offset)
+      return ex.alarm(AlarmReason::data_value, ex.block[letter].column, std::string(1, letter));
+    write(ex, nose, value, radius);
+  }
   if (ex.block.has('Q')) {
     const std::int64_t tip = ex.whole('Q', AlarmReason::data_value);
     if (tip < 0) return false;
@@ -122,7 +147,29 @@ bool lathe_tool(Executor& ex, std::int64_t p) {
 
 }  // namespace
 
+// G10 L_ …: what the L says, on which kind of control.
 bool data_input(Executor& ex) {
+  enum class Series : std::uint8_t { both, lathe, mill };
+  struct Form {
+    std::int64_t l;
+    Series series;
+    bool needs_p;
+    bool (*input)(Executor&, std::int64_t l, std::int64_t p);
+  };
+  static constexpr Form kForms[] = {
+      {2, Series::both, true, [](Executor& e, std::int64_t, std::int64_t p) { return work_offset(e, p); }},
+      {1, Series::lathe, true, [](Executor& e, std::int64_t, std::int64_t p) { return work_offset(e, p); }},
+      {10, Series::lathe, true, [](Executor& e, std::int64_t, std::int64_t p) { return lathe_tool(e, p); }},
+      {1, Series::mill, true, mill_tool},
+      {10, Series::mill, true, mill_tool},
+      {11, Series::mill, true, mill_tool},
+      {12, Series::mill, true, mill_tool},
+      {13, Series::mill, true, mill_tool},
+      {20, Series::both, true,
+       [](Executor& e, std::int64_t, std::int64_t p) { return work_extra_offset(e, p); }},
+      {50, Series::both, false, [](Executor& e, std::int64_t, std::int64_t) { return pitch_input(e); }},
+      {52, Series::both, false, [](Executor& e, std::int64_t, std::int64_t) { return parameter_input(e); }},
+  };
   const program::Block& b = ex.block;
   const bool lathe = ex.dialect.tools.lathe;
   std::int64_t l = lathe ? 10 : -1;
@@ -130,15 +177,26 @@ bool data_input(Executor& ex) {
     l = ex.whole('L', AlarmReason::data_input);
     if (l < 0) return false;
   }
-  if (!b.has('P')) return ex.alarm(AlarmReason::data_input, ex.code_column, "P");
-  const std::int64_t p = ex.whole('P', AlarmReason::data_input);
-  if (p < 0) return false;
-  if (l == 2 || (l == 1 && lathe)) return work_offset(ex, p);
-  if (l == 20 && ex.table->find(541) != nullptr) return work_extra_offset(ex, p);
-  if (lathe && l == 10) return lathe_tool(ex, p);
-  if (!lathe && (l == 1 || (l >= 10 && l <= 13))) return mill_tool(ex, l, p);
-  return ex.alarm(AlarmReason::g_unavailable, b.has('L') ? b['L'].column : ex.code_column,
-                  "G10 L" + std::to_string(l));
+  const std::uint32_t column = b.has('L') ? b['L'].column : ex.code_column;
+  for (const Form& form : kForms) {
+    if (form.l != l || (form.series == Series::lathe && !lathe) || (form.series == Series::mill && lathe))
+      continue;
+    if (l == 20 && ex.table->find(541) == nullptr) break;
+    if (l >= 50 && !ex.dialect.modes.parameter_input) break;
+    if (!form.needs_p) return form.input(ex, l, 0);
+    if (!b.has('P')) return ex.alarm(AlarmReason::data_input, ex.code_column, "P");
+    const std::int64_t p = ex.whole('P', AlarmReason::data_number);
+    return p >= 0 && form.input(ex, l, p);
+  }
+  if (!b.has('L')) return ex.alarm(AlarmReason::data_input, ex.code_column, "L");
+  return ex.alarm(AlarmReason::g_unavailable, column, "G10 L" + std::to_string(l));
+}
+
+// G11: ends a mode of G10; alone it does nothing.
+bool data_input_end(Executor& ex) {
+  const auto finish = ex.data_input.finish;
+  ex.data_input = {};
+  return finish == nullptr || finish(ex);
 }
 
 }  // namespace headstock::interp::handlers

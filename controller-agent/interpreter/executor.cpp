@@ -24,7 +24,7 @@ Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& mac
     axes[i].rotary = machine.axes[i].rotary;
     axes[i].diameter = machine.axes[i].designation == machine::Designation::diameter ? 0.5 : 1;
   }
-  plane = dialect.tools.lathe ? Plane::zx : Plane::xy;
+  select_plane(dialect.tools.lathe ? Plane::zx : Plane::xy);
   queue.reserve(8);
   if (dialect.macros != nullptr) {
     macros = std::make_unique<MacroState>(*this, *dialect.macros, dialect.tools.lathe);
@@ -119,17 +119,18 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
     frames.back().macro.locals = std::make_shared<macro::LocalSet>();
     macros->variables.locals = frames.back().macro.locals.get();
     macros->history = {};
-    macros->skip_position = machine_position;
   }
   sub_call = nullptr;
   barrier = awaits_standstill = false;
   at_standstill = true;
   queue.clear();
   queue_head = 0;
+  cycle.clear();
   finished = false;
   jumps = idle_jumps = 0;
   at = {};
-  linear_rapid = data.bit(dialect.linear_rapid_parameter);
+  data_input = {};
+  take_parameters();
   if (own) own->start(*this);
   update_zeros();
   set_position(machine_position);
@@ -153,6 +154,15 @@ Pull Executor::next(Operation& wanted) {
       return Pull::operation;
     }
     if (finished) return Pull::finished;
+    if (cycle.running != nullptr) {
+      if (!cycle.running->next(*this)) {
+        cycle.running.reset();
+        cycle.name = nullptr;
+        if (!finished) run_deferred();
+      }
+      if (out_used) return Pull::operation;
+      continue;
+    }
     const Step result = step();
     if (macros != nullptr && macros->variables.has_changes() &&
         (out_used || finished || result != Step::done))
@@ -207,6 +217,7 @@ void Executor::reset(const AxisVector& machine_position) {
   leave_program();
   queue.clear();
   queue_head = 0;
+  cycle.clear();
   finished = true;
   if (macros != nullptr) {
     load_variables();
@@ -236,17 +247,21 @@ AxisVector Executor::to_work(const AxisVector& machine_position, const ModalSnap
   AxisVector work{};
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const double unit = under.inch && !axes[i].rotary ? 25.4 : 1;
-    work[i] = (machine_position[i] - under.work_zero[i]) / (axes[i].diameter * unit);
+    work[i] = within_turn(i, (machine_position[i] - under.work_zero[i]) / (axes[i].diameter * unit));
   }
   return work;
 }
 
 bool Executor::alarm(AlarmReason reason, std::uint32_t column, std::string detail) {
+  return alarm_code(dialect.alarm_code(reason), column, std::move(detail));
+}
+
+bool Executor::alarm_code(std::string_view number, std::uint32_t column, std::string detail) {
   if (finished) return false;
   auto& raised = emit<Alarm>();
   raised.at = at;
   raised.at.column = column;
-  raised.code = dialect.alarm_code(reason);
+  raised.code = number;
   raised.detail = std::move(detail);
   finished = true;
   return false;

@@ -17,10 +17,15 @@
 
 #include "dialects/dialect.hpp"
 #include "interpreter/canonical.hpp"
+#include "interpreter/cycle_state.hpp"
+#include "interpreter/data_input.hpp"
 #include "interpreter/interpreter.hpp"
 #include "interpreter/machine_data.hpp"
 #include "interpreter/macro_state.hpp"
 #include "interpreter/own_language.hpp"
+#include "interpreter/polar_command.hpp"
+#include "interpreter/skip.hpp"
+#include "interpreter/transform.hpp"
 #include "machine/machine.hpp"
 #include "program/block.hpp"
 #include "program/block_reader.hpp"
@@ -50,6 +55,9 @@ struct ProgramAxis {
   bool has_intermediate = false;
   double start_point = 0;  ///< machine coordinate of the last coordinate setting (start point of 200T)
   bool has_start_point = false;
+  bool rolls_over = false;   ///< rotary: absolute positions count within one turn; `position` itself runs on
+  bool by_sign = false;      ///< …: the sign of an absolute command is the direction; otherwise the shorter way
+  std::int64_t turn = 0;     ///< one turn, nano degrees
 };
 
 /// A program on the call stack.
@@ -79,6 +87,7 @@ struct Executor {
   void reset(const AxisVector& machine_position);
   void set_position(const AxisVector& machine_position);
   AxisVector to_work(const AxisVector& machine_position, const ModalSnapshot& under) const;
+  void skip_ended(const AxisVector& machine_position, bool triggered);  // skip.cpp
 
   // ---- reading (flow.cpp)
   enum class Step : std::uint8_t { done, wait, standstill };
@@ -87,6 +96,11 @@ struct Executor {
   Step search_block();
   /// Of a program on the stack; opened when it is first needed. nullptr after an alarm.
   program::BlockReader* reader_of(Frame& frame);
+  /// Before anybody reads on by himself: the reader stands behind the block being carried out.
+  bool settle_reader();
+  /// After he went elsewhere: what would have been carried out next is forgotten.
+  void leave_chain();
+  void run_block(bool empty, bool has_sequence, std::uint32_t sequence);
   Frame& push_program(std::unique_ptr<program::Source> source, std::uint32_t number, std::int64_t times);
   void drop_program();
   bool begin_again(Frame& frame);
@@ -184,10 +198,38 @@ struct Executor {
   bool feed();
   bool cutting_feed(double path_mm, double& value, FeedUnit& unit);
   bool arc(Turn turn);
+  bool only_helix_axes(std::uint32_t moved, std::size_t first, std::size_t second);
+  /// Where the block's targets lie, slide mm relative to the work zero point: positions, mirrored, scaled, rotated.
+  AxisVector targets_mm() const;
+  /// Length of the straight way there [mm, degrees as mm].
+  double path_to_targets(const AxisVector& from_machine, std::uint32_t moved) const;
+  static std::int64_t rolled(const ProgramAxis& axis, std::int64_t wanted);
+  double within_turn(std::size_t axis, double work) const;
+  /// After `transform` changed: written positions follow from where the axes stand.
+  void follow_transform();
+  /// Radius and angle words under G16 (polar_command.cpp). Takes its letters out of `mask`.
+  bool take_polar(std::uint32_t& mask, std::uint32_t& moved);
+  std::uint16_t assigned_skip_signals(std::int64_t number) const;  // skip.cpp
+
+  // ---- planes and parameters (plane.cpp)
+  /// The axes of the plane in force, first and second; -1 where the machine has none.
+  struct PlaneIndex {
+    int first = -1, second = -1;
+  };
+  PlaneIndex plane_axes() const { return plane_index; }
+  void select_plane(Plane wanted);
+  /// What an axis is in the basic system: 1 2 3 X Y Z, 5 6 7 parallel to them, 0 neither.
+  int role_of(std::size_t axis) const;
+  /// Parameters that change the language take effect: at the start of a program and after G10 L52.
+  void take_parameters();
+  /// Least increments in a second (or revolution) of dwell.
+  double dwell_units_a_second() const;
+
   bool thread(bool variable);
 
   // ---- words with a meaning of their own (feed_spindle.cpp, tool.cpp)
   bool take_feed();
+  bool take_one_digit_feed(int digit);
   bool take_spindle();
   bool take_tool();
   void emit_spindle();
@@ -211,6 +253,10 @@ struct Executor {
   /// Raises the controller's alarm; the program is over. Always returns false.
   bool alarm(AlarmReason reason, std::uint32_t column, std::string detail = {});
   bool alarm(AlarmReason reason, const program::Code& code, char letter);
+  /// The same with the number itself: for subjects that keep their numbers in tables of their own.
+  bool alarm_code(std::string_view number, std::uint32_t column, std::string detail);
+  /// M codes and the end of a block whose cycle is over.
+  bool run_deferred();
   void report_change(std::string what, double before, double after);
 
   // ---- fixed
@@ -245,6 +291,15 @@ struct Executor {
   bool work_is_extra = false;  ///< G54.1
   std::size_t work_index = 0;  ///< of G54…G59, or of G54.1 P
   Plane plane = Plane::xy;
+  PlaneIndex plane_index;
+  CuttingMode cutting_mode = CuttingMode::cutting;  ///< G61…G64
+  Transform transform;
+  PolarCommand polar;
+  SkipState skip;
+  DataInputMode data_input;
+  bool any_rolls_over = false;
+  bool one_digit_rapid = false;  ///< F0 of one-digit feed: cutting moves run at the rapid rate
+  AxisVector increment_limit{};  ///< G91.1, programming units; 0: none
   double unit_mm = 1;  ///< mm of a programming unit
   std::int64_t linear_increment = program::kNano / 1000;
   double feed_mm = -1;  ///< mm/min or mm/rev; < 0: never commanded
@@ -253,6 +308,8 @@ struct Executor {
   SpindleDirection spindle_direction = SpindleDirection::stop;
   int length_sign = 0;             ///< G43: +1, G44: -1, G49: 0
   std::int64_t length_offset = 0;  ///< H number in force
+
+  CycleState cycle;
 
   // ---- the block being carried out
   program::Block block;

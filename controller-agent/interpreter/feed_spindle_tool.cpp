@@ -1,4 +1,5 @@
 // F, S and T words.
+#include <algorithm>
 #include <cmath>
 
 #include "interpreter/executor.hpp"
@@ -33,12 +34,33 @@ double Executor::feed_value(const program::Word& word) const {
 
 bool Executor::take_feed() {
   const program::Word& word = block['F'];
+  if (action != nullptr && action->handler == handlers::contour_by_q) return true;  // its reference feed
   if (motion_code->handler == handlers::thread || motion_code->handler == handlers::thread_variable) {
     if (!dialect.threads.f_is_feed_too) return true;  // a lead: see thread()
+  }
+  const auto& digit = dialect.modes.one_digit_feed;
+  if (!digit.enable.empty() && data.bit(digit.enable)) {
+    one_digit_rapid = false;
+    if (feed_unit == FeedUnit::mm_per_minute && !word.point && word.digits >= 0 && word.digits <= 9)
+      return take_one_digit_feed(static_cast<int>(word.digits));
   }
   const double value = feed_value(word);
   modal.feed = value;
   feed_mm = feed_unit == FeedUnit::inverse_time ? value : value * unit_mm;
+  return true;
+}
+
+// F1…F9: feeds of the parameters; F0: rapid (0i-D 5.3, M series).
+bool Executor::take_one_digit_feed(int digit) {
+  modal.feed = digit;
+  if (digit == 0) {
+    one_digit_rapid = true;
+    return true;
+  }
+  const auto& rules = dialect.modes.one_digit_feed;
+  const double most = data.parameter(digit <= 4 ? rules.most_1_to_4 : rules.most_5_to_9);
+  feed_mm = data.parameter(std::to_string(rules.first - 1 + digit));
+  if (most > 0) feed_mm = std::min(feed_mm, most);
   return true;
 }
 

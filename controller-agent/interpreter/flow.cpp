@@ -62,6 +62,28 @@ program::BlockReader* Executor::reader_of(Frame& frame) {
   return frame.reader.get();
 }
 
+bool Executor::settle_reader() {
+  Frame& frame = frames.back();
+  program::BlockReader* reader = reader_of(frame);
+  if (reader == nullptr) return false;
+  frame.macro.next = frame.macro.last = nullptr;
+  if (!frame.macro.displaced) return true;
+  const BlockPlace place = frame.macro.place;
+  leave_chain();
+  frame.rest = nullptr;
+  if (!reader->seek(place.line)) return alarm(AlarmReason::input_failed, 0);
+  if (place.within != 0 && reader->next(frame.line) == program::LineStatus::line)
+    frame.rest = frame.line.text.data() + std::min<std::size_t>(place.within, frame.line.text.size());
+  return true;
+}
+
+void Executor::leave_chain() {
+  MacroFrame& macro = frames.back().macro;
+  macro.next = macro.last = nullptr;
+  macro.displaced = false;
+  macro.place = {};
+}
+
 Executor::Step Executor::step() {
   Frame& frame = frames.back();
   if (barrier) {
@@ -178,8 +200,17 @@ Executor::Step Executor::read_block() {
   const bool empty = (block.words | block.g_count | block.m_count) == 0;
   if (!empty || block.has_sequence) frame.at_start = false;
   frame.macro.last = nullptr;
-  if (!empty) execute();
+  run_block(empty, block.has_sequence, block.sequence);
   return Step::done;
+}
+
+void Executor::run_block(bool empty, bool has_sequence, std::uint32_t sequence) {
+  if (cycle.watch != nullptr) {  // a block of a profile
+    if (!empty && (!cycle.watch->admit(*this) || !execute())) return;
+    if (!finished) cycle.watch->done(*this, has_sequence, sequence);
+    return;
+  }
+  if (!empty) execute();
 }
 
 // Only the N word counts, and it must be the first of its block.

@@ -15,6 +15,24 @@ bool reference_return_n(Executor& ex);
 bool reference_from(Executor& ex);
 bool reference_check(Executor& ex);
 bool data_input(Executor& ex);
+bool data_input_end(Executor& ex);
+bool dwell(Executor& ex);
+bool skip(Executor& ex);
+bool mirror_on(Executor& ex);
+bool mirror_off(Executor& ex);
+bool scaling_on(Executor& ex);
+bool scaling_off(Executor& ex);
+bool rotation_on(Executor& ex);
+bool rotation_off(Executor& ex);
+bool polar_on(Executor& ex);
+bool polar_off(Executor& ex);
+bool stroke_check_on(Executor& ex);
+bool stroke_check_off(Executor& ex);
+bool spindle_watch_on(Executor& ex);
+bool spindle_watch_off(Executor& ex);
+bool contour_by_p(Executor& ex);
+bool increment_limit(Executor& ex);
+bool single_direction(Executor& ex);
 
 namespace {
 
@@ -33,7 +51,7 @@ bool arc_ccw(Executor& ex) {
 
 template <Plane plane>
 bool select_plane(Executor& ex) {
-  ex.plane = plane;
+  ex.select_plane(plane);
   return true;
 }
 
@@ -67,39 +85,10 @@ bool surface_speed(Executor& ex) {
   return true;
 }
 
-template <bool on>
-bool exact_stop(Executor& ex) {
-  ex.exact_stop_mode = on;
-  return true;
-}
-
-bool dwell(Executor& ex) {
-  const program::Block& b = ex.block;
-  const auto seconds = [&ex](const program::Word& word) {
-    return word.point || ex.pocket ? word.value() : word.value() / 1000;
-  };
-  double amount = 0;
-  bool given = true;
-  if (b.has('X') && b.has('P') && ex.dialect.repeated_words == dialects::Repeated::alarm &&
-      !ex.switches.lenient) {
-    return ex.alarm(AlarmReason::dwell_words, b['P'].column, "P");
-  }
-  if (b.has('X')) {
-    amount = seconds(b['X']);
-  } else if (b.has('U') && ex.dialect.tools.lathe) {
-    amount = seconds(b['U']);
-  } else if (b.has('P')) {
-    amount = b['P'].value() / 1000;  // always in milliseconds
-  } else {
-    given = false;
-  }
-  if (amount < 0) return ex.alarm(AlarmReason::minus_sign, ex.code_column, "G04");
-  auto& pause = ex.emit<Dwell>();  // without an amount: an exact stop
-  pause.at = ex.at;
-  pause.modal = ex.modal;
-  const bool turns =
-      ex.feed_unit == FeedUnit::mm_per_revolution && ex.data.bit(ex.dialect.dwell_turns_parameter);
-  if (given) (turns ? pause.revolutions : pause.seconds) = amount;
+template <CuttingMode mode>
+bool cutting_mode(Executor& ex) {
+  ex.exact_stop_mode = mode == CuttingMode::exact_stop;
+  ex.cutting_mode = mode;
   return true;
 }
 
@@ -153,13 +142,33 @@ constexpr Named kHandlers[] = {
     {"feed_inverse_time", Phase::setting, select_feed<FeedUnit::inverse_time>},
     {"surface_speed", Phase::setting, surface_speed<true>},
     {"spindle_speed", Phase::setting, surface_speed<false>},
-    {"exact_stop_mode", Phase::setting, exact_stop<true>},
-    {"cutting_mode", Phase::setting, exact_stop<false>},
+    {"exact_stop_mode", Phase::setting, cutting_mode<CuttingMode::exact_stop>},
+    {"cutting_mode", Phase::setting, cutting_mode<CuttingMode::cutting>},
+    {"corner_override_mode", Phase::setting, cutting_mode<CuttingMode::corner_override>},
+    {"tapping_mode", Phase::setting, cutting_mode<CuttingMode::tapping>},
     {"length_offset", Phase::setting, length_offset},
     {"work_select", Phase::setting, work_select},
     {"exact_stop", Phase::modifier, nullptr},
     {"dwell", Phase::action, dwell},
     {"data_input", Phase::action, data_input},
+    {"data_input_end", Phase::action, data_input_end},
+    {"skip", Phase::action, skip},
+    {"mirror_on", Phase::action, mirror_on},
+    {"mirror_off", Phase::action, mirror_off},
+    {"scaling_on", Phase::action, scaling_on},
+    {"scaling_off", Phase::setting, scaling_off},
+    {"rotation_on", Phase::action, rotation_on},
+    {"rotation_off", Phase::setting, rotation_off},
+    {"polar_on", Phase::setting, polar_on},
+    {"polar_off", Phase::setting, polar_off},
+    {"stroke_check_on", Phase::action, stroke_check_on},
+    {"stroke_check_off", Phase::action, stroke_check_off},
+    {"spindle_watch_on", Phase::action, spindle_watch_on},
+    {"spindle_watch_off", Phase::action, spindle_watch_off},
+    {"contour_by_q", Phase::action, contour_by_q},
+    {"contour_by_p", Phase::action, contour_by_p},
+    {"increment_limit", Phase::action, increment_limit},
+    {"single_direction", Phase::action, single_direction},
     {"reference_check", Phase::action, reference_check},
     {"reference_return", Phase::action, reference_return},
     {"reference_return_n", Phase::action, reference_return_n},

@@ -20,5 +20,6 @@ const Named* find(std::string_view name);
 bool set_coordinates(Executor& ex);  // G50, G92
 bool thread(Executor& ex);           // G32, G33
 bool thread_variable(Executor& ex);  // G34
+bool contour_by_q(Executor& ex);     // G05.1
 
 }  // namespace headstock::interp::handlers

@@ -43,6 +43,9 @@ void Interpreter::reset(const AxisVector& machine_position) {
 void Interpreter::set_position(const AxisVector& machine_position) {
   executor_->set_position(machine_position);
 }
+void Interpreter::skip_ended(const AxisVector& machine_position, bool triggered) {
+  executor_->skip_ended(machine_position, triggered);
+}
 const ModalSnapshot& Interpreter::modal() const {
   return executor_->modal;
 }

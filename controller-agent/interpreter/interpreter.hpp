@@ -93,6 +93,10 @@ class Interpreter {
   /// Switches of macro statements in force (#3003, and #3004 four bits higher).
   std::uint32_t macro_control() const;
 
+  /// A skip move (`Feed::skip_signals`) is over: by a signal, or at its end. Called before the next operation is
+  /// asked for.
+  void skip_ended(const AxisVector& machine_position, bool triggered);
+
   const ModalSnapshot& modal() const;
   /// Absolute position page for a machine position, under the state in `modal`: programming units, X as
   /// diameter.

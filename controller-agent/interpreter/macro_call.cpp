@@ -491,7 +491,7 @@ void Executor::end_interruption(const InterruptedState& before, bool keep_modal)
   exact_stop_mode = before.exact_stop_mode;
   constant_surface_speed = before.constant_surface_speed;
   feed_unit = before.feed_unit;
-  plane = before.plane;
+  select_plane(before.plane);
   feed_mm = before.feed_mm;
   rpm = before.rpm;
   surface_speed = before.surface_speed;

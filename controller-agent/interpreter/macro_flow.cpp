@@ -159,7 +159,7 @@ Executor::Step Executor::carry_out(CompiledBlock& c) {
   }
   if (c.is_statement) return Step::done;
   go_on_after(c);
-  if (!c.is_empty) execute();
+  run_block(c.is_empty, c.has_sequence, c.sequence);
   return Step::done;
 }
 

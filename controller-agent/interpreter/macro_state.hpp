@@ -141,7 +141,6 @@ struct MacroState {
   std::array<ModalValues, 2> history;  ///< of the last two blocks
   std::size_t newest = 0;              ///< of the two
   ModalValues interrupted;
-  AxisVector skip_position{};                             ///< machine, of the last G31
   std::uint32_t control = 0;                              ///< #3003, and #3004 from bit 4 on
   std::array<double, program::kMostComputed> computed{};  ///< values of Block::computed, not rounded
   std::string comment;  ///< of the statement being carried out: #3000, #3006

@@ -52,6 +52,36 @@ void Executor::set_axis_machine(std::size_t axis, double machine_position) {
   // dust.
   axes[axis].position = std::llround(work * 1e7) * 100;
   work_now[axis] = static_cast<double>(axes[axis].position) / 1e9;
+  if (transform.active()) follow_transform();
+}
+
+void Executor::follow_transform() {
+  AxisVector place{};
+  for (std::size_t i = 0; i < axes.size(); ++i) place[i] = slide_mm(i);
+  place = transform.undo(place);
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    axes[i].position = std::llround(place[i] / axes[i].mm_per_unit * 1e7) * 100;
+}
+
+AxisVector Executor::targets_mm() const {
+  AxisVector place{};
+  const bool exact = transform.active();  // an axis that is only turned along must not be rounded
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const std::int64_t position = exact ? axes[i].position : round_to(axes[i].position, axes[i].increment);
+    place[i] = static_cast<double>(position) / 1e9 * axes[i].mm_per_unit;
+  }
+  return exact ? transform.apply(place) : place;
+}
+
+double Executor::path_to_targets(const AxisVector& from_machine, std::uint32_t moved) const {
+  const AxisVector to = targets_mm();
+  moved = transform.also_moved(moved);
+  double path = 0;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const double d = (moved >> i & 1u) != 0 ? to[i] + modal.work_zero[i] - from_machine[i] : 0;
+    path += d * d;
+  }
+  return std::sqrt(path);
 }
 
 void Executor::update_zero(std::size_t i) {
@@ -96,6 +126,7 @@ bool Executor::take_targets(std::uint32_t& moved) {
     if (!settle_both_forms(mask)) return false;
     mask = block.words & axis_letters;
   }
+  if (polar.on && mask != 0 && !take_polar(mask, moved)) return false;
   for (; mask != 0; mask &= mask - 1) {
     const auto letter = static_cast<unsigned>(std::countr_zero(mask));
     const program::Word& word = block.word[letter];
@@ -103,29 +134,72 @@ bool Executor::take_targets(std::uint32_t& moved) {
     ProgramAxis& axis = axes[index];
     std::int64_t value = nano(word, axis.increment);
     if (dialect.numbers.rounding == dialects::Rounding::truncate) value -= value % axis.increment;
+    if (transform.active())
+      value = round_to(value, axis.increment);  // the position itself is not rounded then
     const std::int64_t most = dialect.numbers.most_increments * axis.increment;
     if (value > most || value < -most) {
       return alarm(AlarmReason::value_range, word.column, std::string(1, static_cast<char>('A' + letter)));
     }
     const bool by = incremental || (incremental_letters >> letter & 1u) != 0;
-    axis.position = by ? axis.position + value : value;
+    if (by && increment_limit[index] > 0 &&
+        std::fabs(static_cast<double>(value)) / 1e9 > increment_limit[index]) {
+      return alarm(AlarmReason::increment_limit, word.column,
+                   std::string(1, static_cast<char>('A' + letter)));
+    }
+    axis.position = by ? axis.position + value : axis.rolls_over ? rolled(axis, value) : value;
     moved |= 1u << index;
   }
   return true;
 }
 
+// Where an absolute command of a roll-over axis leads on the axis' endless scale.
+std::int64_t Executor::rolled(const ProgramAxis& axis, std::int64_t wanted) {
+  if (axis.turn <= 0) return wanted;
+  const auto within = [&axis](std::int64_t value) { return ((value % axis.turn) + axis.turn) % axis.turn; };
+  const std::int64_t now = within(axis.position);
+  if (axis.by_sign) {  // |value| is the place, its sign the direction
+    const std::int64_t ahead = within((wanted < 0 ? -wanted : wanted) - now);
+    return axis.position + (wanted < 0 && ahead != 0 ? ahead - axis.turn : ahead);
+  }
+  const std::int64_t ahead = within(wanted - now);
+  return axis.position + (ahead * 2 > axis.turn ? ahead - axis.turn : ahead);
+}
+
+// What the position page shows of an axis that rolls over: 0 … less than one turn.
+double Executor::within_turn(std::size_t axis, double work) const {
+  if (!axes[axis].rolls_over || axes[axis].turn <= 0) return work;
+  const double turn = static_cast<double>(axes[axis].turn) / 1e9;
+  const double left = std::fmod(work, turn);
+  return left < 0 ? left + turn : left;
+}
+
 void Executor::fill_motion(Motion& motion, std::uint32_t moved) {
-  for (std::uint32_t left = moved; left != 0; left &= left - 1) {
-    const auto i = static_cast<std::size_t>(std::countr_zero(left));
-    work_now[i] = shown(i);
-    machine_now[i] = work_now[i] * axes[i].mm_per_unit + modal.work_zero[i];
+  if (transform.active()) {
+    moved = transform.also_moved(moved);
+    const AxisVector to = targets_mm();
+    for (std::uint32_t left = moved; left != 0; left &= left - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(left));
+      work_now[i] = to[i] / axes[i].mm_per_unit;
+      machine_now[i] = to[i] + modal.work_zero[i];
+    }
+  } else {
+    for (std::uint32_t left = moved; left != 0; left &= left - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(left));
+      work_now[i] = shown(i);
+      machine_now[i] = work_now[i] * axes[i].mm_per_unit + modal.work_zero[i];
+    }
   }
   motion.at = at;
   motion.modal = modal;
   motion.end_work = work_now;
   motion.end_machine = machine_now;
   motion.axes = moved;
+  motion.cycle = cycle.name;
   motion.exact_stop = exact_stop_once || exact_stop_mode;
+  motion.cutting_mode = cutting_mode;
+  if (any_rolls_over) {
+    for (std::size_t i = 0; i < axes.size(); ++i) motion.end_work[i] = within_turn(i, work_now[i]);
+  }
 }
 
 bool Executor::emit_rapid_to_machine(const AxisVector& target, std::uint32_t moved,
@@ -139,6 +213,8 @@ bool Executor::emit_rapid_to_machine(const AxisVector& target, std::uint32_t mov
   motion.modal = modal;
   motion.end_work = work_now;
   motion.end_machine = machine_now;
+  for (std::size_t i = 0; any_rolls_over && i < axes.size(); ++i)
+    motion.end_work[i] = within_turn(i, work_now[i]);
   motion.axes = moved;
   motion.machine_coordinates = machine_coordinates;
   motion.exact_stop = true;
@@ -179,15 +255,16 @@ bool Executor::feed() {
   std::uint32_t moved = 0;
   if (!take_targets(moved)) return false;
   if (moved == 0) return true;
+  if (one_digit_rapid) {
+    auto& motion = emit<Rapid>();
+    fill_motion(motion, moved);
+    motion.linear = true;
+    return true;
+  }
   if (feed_mm <= 0 || feed_unit == FeedUnit::inverse_time) {
-    double path = 0;
-    for (std::size_t i = 0; i < axes.size(); ++i) {
-      const double d = (moved >> i & 1u) != 0 ? to_machine(i, axes[i].position) - from[i] : 0;
-      path += d * d;
-    }
     double value = 0;
     FeedUnit unit{};
-    if (!cutting_feed(std::sqrt(path), value, unit)) return false;
+    if (!cutting_feed(path_to_targets(from, moved), value, unit)) return false;
     auto& motion = emit<Feed>();
     fill_motion(motion, moved);
     motion.feed = value;

@@ -619,7 +619,7 @@ Result read_work_position(Executor& ex, const Row&, std::uint32_t index, double&
 Result read_skip_position(Executor& ex, const Row&, std::uint32_t index, double& value) {
   if (const Result axis = checked_axis(ex, index); !axis.ok()) return axis;
   if (must_stand_still(ex)) return Result::later();
-  const AxisVector position = ex.macros->environment->skip_position().value_or(ex.macros->skip_position);
+  const AxisVector position = ex.macros->environment->skip_position().value_or(ex.skip.machine);
   value = with_offset(ex, index, position[index]);
   return {};
 }

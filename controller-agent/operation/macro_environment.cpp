@@ -26,7 +26,7 @@ void MacroEnvironment::set_clock_ms(double value) {
   clock_offset_ms_ = value - static_cast<double>(realtime_.state().periods) * period_ms_;
 }
 
-double MacroEnvironment::running_hours() const {
+double MacroEnvironment::running_hours() {
   return static_cast<double>(realtime_.state().run_periods) * period_ms_ / kHour_ms;
 }
 

@@ -14,7 +14,7 @@ namespace headstock::operation {
 class MacroEnvironment final : public macro::Environment {
  public:
   /// @param waiting threads that want the controller's lock.
-  MacroEnvironment(const Realtime& realtime, Retained& retained, const std::atomic<int>& waiting,
+  MacroEnvironment(Realtime& realtime, Retained& retained, const std::atomic<int>& waiting,
                    double period_s)
       : realtime_(realtime), retained_(retained), waiting_(waiting), period_ms_(period_s * 1e3) {}
 
@@ -30,9 +30,9 @@ class MacroEnvironment final : public macro::Environment {
   void set_parts_made(double value) override { retained_.parts = static_cast<decltype(retained_.parts)>(value); }
 
  private:
-  double running_hours() const;
+  double running_hours();
 
-  const Realtime& realtime_;
+  Realtime& realtime_;
   Retained& retained_;
   const std::atomic<int>& waiting_;
   const double period_ms_;

@@ -42,8 +42,9 @@ constexpr PlaneAxes plane_axes(interp::Plane plane) {
 
 motion::Arc arc_geometry(const machine::Machine& machine, const interp::Arc& arc) {
   const PlaneAxes plane = plane_axes(arc.plane);
-  const std::size_t first = machine.axis_index(plane.first).value_or(0);
-  const std::size_t second = machine.axis_index(plane.second).value_or(1);
+  const bool named = arc.axis_1 != interp::Arc::kByPlane;
+  const std::size_t first = named ? arc.axis_1 : machine.axis_index(plane.first).value_or(0);
+  const std::size_t second = named ? arc.axis_2 : machine.axis_index(plane.second).value_or(1);
   motion::Arc geometry;
   geometry.end = arc.end_machine;
   geometry.axis_1 = static_cast<std::uint8_t>(first);
@@ -111,7 +112,13 @@ motion::Move MotionFeed::make(const interp::Operation& operation) const {
           [&](const interp::Feed& m) { set_feed(m.feed, m.unit); },
           [&](const interp::Arc& m) {
             move.geometry = arc_geometry(machine_, m);
-            set_feed(m.feed, m.unit);
+            double feed = m.feed;
+            if (m.feed_on_arc && m.unit != interp::FeedUnit::inverse_time) {  // helix: the path is longer than its arc
+              const double on_arc = m.radius_mm * m.turns * kTwoPi;
+              const double path = path_length(position_, move);
+              if (on_arc > 0 && path > on_arc) feed *= path / on_arc;
+            }
+            set_feed(feed, m.unit);
           },
           [&](const interp::Thread& m) {
             move.feed = motion::ThreadFeed{m.lead_mm, m.lead_change_mm, m.start_angle_deg / 360 * kTwoPi};

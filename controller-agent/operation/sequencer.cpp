@@ -5,6 +5,7 @@
 
 #include "operation/controller_impl.hpp"
 #include "operation/overtravel_alarm.hpp"
+#include "operation/unsupported.hpp"
 
 namespace headstock::operation {
 namespace {
@@ -116,6 +117,12 @@ void Controller::Impl::pull_operations() {
 }
 
 void Controller::Impl::take(const interp::Operation& taken) {
+  if (const auto refused = unsupported_alarm(taken)) {
+    raised_here = *refused;
+    pending_alarm = {position_of(taken), std::string(refused->code), {}};
+    post(Await::alarm, {});
+    return;
+  }
   if (is_motion(taken)) {
     anything_moved = true;
     overtravel = feed.add(taken, main_offset);

@@ -28,6 +28,8 @@ constexpr Permission kPermissions[] = {
     {Action::withdraw_release, "withdraw_release", Role::setter},
     {Action::edit_machine, "edit_machine", Role::setter},
     {Action::edit_offsets, "edit_offsets", Role::setter},
+    {Action::edit_calendar, "edit_calendar", Role::setter},
+    {Action::note_downtime, "note_downtime", Role::operator_},
     {Action::manage_machines, "manage_machines", Role::administrator},
     {Action::enrol_machine, "enrol_machine", Role::administrator},
     {Action::manage_users, "manage_users", Role::administrator},

@@ -34,6 +34,8 @@ enum class Action {
   withdraw_release,
   edit_machine,
   edit_offsets,
+  edit_calendar,
+  note_downtime,
   manage_machines,
   enrol_machine,
   manage_users,

@@ -3,3 +3,5 @@ headstock_program(bench_drip SOURCES ${CMAKE_CURRENT_LIST_DIR}/drip_bench.cpp ${
   DEPENDS headstock::link headstock::gateway)
 # fleet_simulator: many agents without a CNC, against a running server.
 headstock_program(fleet_simulator SOURCES ${CMAKE_CURRENT_LIST_DIR}/fleet_simulator.cpp DEPENDS headstock::link CLI11::CLI11 spdlog::spdlog)
+set_target_properties(bench_drip fleet_simulator PROPERTIES EXCLUDE_FROM_ALL TRUE)
+add_dependencies(bench bench_drip fleet_simulator)

@@ -71,6 +71,7 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
         } else if constexpr (std::is_same_v<T, interp::Feed>) {
           common("feed", op);
           add_feed(seen, op.feed, op.unit);
+          seen.values["skip"] = op.skip_signals;
         } else if constexpr (std::is_same_v<T, interp::Arc>) {
           common("arc", op);
           add_feed(seen, op.feed, op.unit);
@@ -88,6 +89,7 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
           seen.op = "dwell";
           seen.values["s"] = op.seconds;
           seen.values["rev"] = op.revolutions;
+          seen.values["skip"] = op.skip_signals;
         } else if constexpr (std::is_same_v<T, interp::Spindle>) {
           seen.op = "spindle";
           seen.word = op.direction == interp::SpindleDirection::stop ? "stop"
@@ -95,6 +97,7 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
                                                                      : "ccw";
           seen.values[op.constant_surface_speed ? "m_min" : "rpm"] = op.speed;
           seen.values["clamp"] = op.clamp_rpm;
+          seen.values["gear"] = op.gear;
         } else if constexpr (std::is_same_v<T, interp::Tool>) {
           seen.op = "tool";
           seen.values["tool"] = op.tool;
@@ -119,6 +122,27 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
           seen.op = "alarm";
           seen.word = op.code;
           seen.values["column"] = op.at.column;
+        } else if constexpr (std::is_same_v<T, interp::ContourMode>) {
+          seen.op = "contour_mode";
+          seen.word = op.on ? "on" : "off";
+          seen.values["level"] = op.level;
+          seen.values["f"] = op.reference_feed;
+        } else if constexpr (std::is_same_v<T, interp::StrokeCheck>) {
+          seen.op = "stroke_check";
+          seen.word = op.on ? "on" : "off";
+          add_axes(seen, machine, "most", op.most);
+          add_axes(seen, machine, "least", op.least);
+          seen.values["outside"] = op.outside_forbidden ? 1 : 0;
+        } else if constexpr (std::is_same_v<T, interp::SpindleWatch>) {
+          seen.op = "spindle_watch";
+          seen.word = op.on ? "on" : "off";
+          seen.values["s"] = op.delay_s;
+          seen.values["reached"] = op.reached_ratio;
+          seen.values["ratio"] = op.ratio;
+          seen.values["rpm"] = op.width_rpm;
+        } else if constexpr (std::is_same_v<T, interp::SecondAuxiliary>) {
+          seen.op = "aux";
+          seen.values["code"] = static_cast<double>(op.code);
         } else {
           seen.op = "end";
           constexpr const char* kReasons[] = {"m02", "m30", "m99", "end_of_file", "alarm"};

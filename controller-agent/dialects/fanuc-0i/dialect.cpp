@@ -11,27 +11,100 @@ namespace {
 using program::letters;
 using R = AlarmReason;
 
+// Parameters with one value an axis: G10 L52 needs P for them (spec: parameter table, "axis type").
+constexpr ParameterRange kAxisParameters[] = {
+    {1003, 1003}, {1005, 1009}, {1012, 1013}, {1015, 1015}, {1020, 1025}, {1220, 1226}, {1240, 1244},
+    {1250, 1250}, {1260, 1260}, {1310, 1310}, {1320, 1327}, {1408, 1408}, {1420, 1425}, {1427, 1428},
+    {1430, 1434}, {1465, 1465}, {1610, 1610}, {1620, 1627}, {1660, 1661}, {1730, 1738}, {1769, 1769},
+    {1783, 1785}, {1815, 1821}, {1825, 1838}, {1850, 1852}, {1880, 1884}, {3115, 3115}, {3455, 3455},
+    {3620, 3627}, {5401, 5401}, {5421, 5421}, {5440, 5440}, {6287, 6287}, {7310, 7310}};
+constexpr ParameterRange kSpindleParameters[] = {{3700, 4999}};
+
+void set_common_modes(ModeRules& modes) {
+  modes.compensation_group = 7;
+  modes.diameter_parameter = "1006#3";
+  modes.rotary_parameter = "1006#0";
+  modes.roll_over_parameter = "1008#0";
+  modes.roll_over_by_sign_parameter = "1008#1";
+  modes.turn_parameter = "1260";
+  modes.skip_signals = {"6202", "6203", "6204", "6205", "6206"};
+  modes.skip_feed_parameter = "6207#1";
+  modes.skip_step_feed_parameter = "6207#2";
+  modes.skip_override_parameter = "6200#7";
+  modes.dwell_p_scales = true;
+  modes.dwell_ms_parameter = "1015#7";
+  modes.stroke_2_most = "1322";
+  modes.stroke_2_least = "1323";
+  modes.stroke_2_outside_parameter = "1300#0";
+  modes.parameter_input = true;
+  modes.largest_offset = 9'999.9999;
+  modes.axis_parameters = kAxisParameters;
+  modes.spindle_parameters = kSpindleParameters;
+}
+
 Dialect make_common() {
   Dialect d;
-  set_alarm_codes(d, "PS0010", {{R::no_address, "PS0004"},         {R::no_data, "PS0005"},
-                                {R::minus_sign, "PS0006"},         {R::decimal_point, "PS0007"},
-                                {R::too_many_digits, "PS0003"},    {R::value_range, "PS0003"},
-                                {R::illegal_address, "PS0009"},    {R::duplicate_word, "PS5074"},
-                                {R::block_too_long, "PS1016"},     {R::program_number, "PS1014"},
-                                {R::end_of_record, "PS5010"},      {R::input_failed, "PS0086"},
-                                {R::expression, "PS0114"},         {R::statement_unavailable, "PS0113"},
-                                {R::g_same_group, "PS5074"},       {R::too_many_m, "PS5074"},
-                                {R::t_not_allowed, "PS0245"},      {R::feed_missing, "PS0011"},
-                                {R::arc_radius, "PS0020"},         {R::arc_no_center, "PS0022"},
-                                {R::arc_negative_r, "PS0023"},     {R::arc_r_too_small, "PS0020"},
-                                {R::arc_plane, "PS0021"},          {R::thread_lead, "PS0011"},
-                                {R::reference_check, "PS0092"},    {R::reference_number, "PS0046"},
-                                {R::no_intermediate, "PS0305"},    {R::length_axis, "PS0027"},
-                                {R::offset_number, "PS0030"},      {R::work_number, "PS0030"},
-                                {R::data_input, "PS1144"},         {R::data_value, "PS0032"},
-                                {R::call_without_p, "PS0076"},     {R::program_not_found, "PS0076"},
-                                {R::sequence_not_found, "PS0078"}, {R::nesting, "PS0077"},
-                                {R::call_count, "PS0076"}});
+  set_alarm_codes(d, "PS0010",
+                  {{R::no_address, "PS0004"},
+                   {R::no_data, "PS0005"},
+                   {R::minus_sign, "PS0006"},
+                   {R::decimal_point, "PS0007"},
+                   {R::too_many_digits, "PS0003"},
+                   {R::value_range, "PS0003"},
+                   {R::illegal_address, "PS0009"},
+                   {R::duplicate_word, "PS5074"},
+                   {R::block_too_long, "PS1016"},
+                   {R::program_number, "PS1014"},
+                   {R::end_of_record, "PS5010"},
+                   {R::input_failed, "PS0086"},
+                   {R::expression, "PS0114"},
+                   {R::statement_unavailable, "PS0113"},
+                   {R::g_same_group, "PS5074"},
+                   {R::too_many_m, "PS5074"},
+                   {R::t_not_allowed, "PS0245"},
+                   {R::feed_missing, "PS0011"},
+                   {R::arc_radius, "PS0020"},
+                   {R::arc_no_center, "PS0022"},
+                   {R::arc_negative_r, "PS0023"},
+                   {R::arc_r_too_small, "PS0020"},
+                   {R::arc_plane, "PS0021"},
+                   {R::thread_lead, "PS0011"},
+                   {R::reference_check, "PS0092"},
+                   {R::reference_number, "PS0046"},
+                   {R::no_intermediate, "PS0305"},
+                   {R::length_axis, "PS0027"},
+                   {R::offset_number, "PS0030"},
+                   {R::work_number, "PS0030"},
+                   {R::data_input, "PS1144"},
+                   {R::data_value, "PS0032"},
+                   {R::call_without_p, "PS0076"},
+                   {R::program_not_found, "PS0076"},
+                   {R::sequence_not_found, "PS0078"},
+                   {R::nesting, "PS0077"},
+                   {R::call_count, "PS0076"},
+                   {R::g_not_now, "PS0412"},
+                   {R::cylinder_axis, "PS0175"},
+                   {R::cylinder_code, "PS0176"},
+                   {R::skip_not_allowed, "PS0035"},
+                   {R::skip_format, "PS0369"},
+                   {R::skip_number, "PS0370"},
+                   {R::unit_change, "PS1298"},
+                   {R::unit_change_place, "PS5362"},
+                   {R::increment_limit, "PS0337"},
+                   {R::data_number, "PS0031"},
+                   {R::parameter_format, "PS0231"},
+                   {R::parameter_word_missing, "PS1301"},
+                   {R::parameter_number, "PS1302"},
+                   {R::parameter_axis, "PS1303"},
+                   {R::parameter_axis_missing, "PS1306"},
+                   {R::parameter_no_axis, "PS1300"},
+                   {R::parameter_range, "PS1305"},
+                   {R::parameter_sign, "PS1307"},
+                   {R::surface_axis, "PS0190"},
+                   {R::helix_axes, "PS0232"},
+                   {R::arc_foreign_axis, "PS0028"},
+                   {R::too_many_axes, "PS0015"},
+                   {R::spindle_number, "PS5305"}});
   d.m_rules = usual_m_rules();
   d.m_rules.push_back({6, MAction::machine});
   d.m_rules.push_back({29, MAction::unavailable});   // rigid tapping needs its cycle
@@ -50,6 +123,9 @@ Dialect make_common() {
   d.dwell_turns_parameter = "3405#1";
   d.more_m_parameter = "3404#7";
   d.repeated_alarm_parameter = "3403#6";
+  d.arcs.feed_on_arc = true;
+  d.arcs.feed_on_path_parameter = "1403#5";  // HTG
+  set_common_modes(d.modes);
   return d;
 }
 
@@ -60,6 +136,10 @@ Dialect make_fanuc_0i_t() {
   d.profile = "fanuc-0i-t";
   d.set_alarm_code(R::no_intermediate, "PS0010");  // M alarms: no G29, no G43 here
   d.set_alarm_code(R::length_axis, "PS0010");
+  d.set_alarm_code(R::polar_axis, "PS0145");
+  d.set_alarm_code(R::polar_code, "PS0146");
+  d.set_alarm_code(R::look_ahead_format, "PS0109");
+  d.set_alarm_code(R::thread_lead_change, "PS0313");
   add_g_codes(d, tables::gcodes_fanuc_0i_t);
   d.incremental_letters[0] = true;  // U W V H (8.1)
   d.arcs.negative_r = false;        // PS0023 is a T alarm
@@ -71,7 +151,15 @@ Dialect make_fanuc_0i_t() {
              .most_offsets = 200};
   d.corner_words = letters("IJKRCA");
   d.t_refused_with_actions = true;  // PS0245
-  d.power_on_switches = {{"3402#0", {10, 10, 10}}, {"3402#3", {-1, 910, 910}}, {"3402#4", {980, 940, 940}}};
+  d.modes.watch_delay_parameter = "4914";
+  d.modes.watch_reached_parameter = "4911";
+  d.modes.watch_ratio_parameter = "4912";
+  d.modes.watch_width_parameter = "4913";
+  d.modes.watch_fine_parameter = "4900#0";
+  d.power_on_switches = {{"3402#0", {10, 10, 10}},
+                         {"3402#3", {-1, 910, 910}},
+                         {"3402#4", {980, 940, 940}},
+                         {"3402#7", {230, 230, 230}}};
   add_fanuc_macros(d);
   d.numbers.addresses = letters("ABCDEFHIJKLPQRSTUVWXYZ");
   d.numbers.pointed = letters("ABCFIJKRUVWXYZE");
@@ -82,8 +170,22 @@ Dialect make_fanuc_0i_t() {
 Dialect make_fanuc_0i_m() {
   Dialect d = make_common();
   d.profile = "fanuc-0i-m";
+  d.set_alarm_code(R::scale_value, "PS0142");
+  d.set_alarm_code(R::scaling_code, "PS0300");
+  d.set_alarm_code(R::rotation_plane, "PS0144");
+  d.set_alarm_code(R::arc_in_rapid, "PS0025");
+  d.set_alarm_code(R::setting_with_length, "PS5391");
   d.set_alarm_code(R::arc_negative_r, "PS0010");  // a T alarm: negative R is legal here
   d.kind = machine::Kind::mill;
+  d.modes.scale_unit_parameter = "5400#7";
+  d.modes.scale_each_parameter = "5400#6";
+  d.modes.scale_parameter = "5411";
+  d.modes.scale_axis_parameter = "5421";
+  d.modes.rotation_parameter = "5410";
+  d.modes.rotation_incremental_parameter = "5400#0";
+  d.modes.approach_parameter = "5440";
+  d.modes.approach_modal_parameter = "5431#0";
+  d.modes.one_digit_feed = {.enable = "8131#1", .first = 1451, .most_1_to_4 = "1460", .most_5_to_9 = "1461"};
   add_g_codes(d, tables::gcodes_fanuc_0i_m);
   d.tools = {.lathe = false,
              .offset_digits = 2,
@@ -94,7 +196,8 @@ Dialect make_fanuc_0i_m() {
   d.power_on_switches = {{"3402#0", {10, 10, 10}},
                          {"3402#1", {180, 180, 180}},
                          {"3402#2", {190, 190, 190}},
-                         {"3402#3", {910, 910, 910}}};
+                         {"3402#3", {910, 910, 910}},
+                         {"3402#7", {230, 230, 230}}};
   add_fanuc_macros(d);
   d.numbers.feed_per_revolution_unit_mm = 0.01;  // FR3(1405#1) = 0
   d.numbers.feed_per_revolution_unit_inch = 0.0001;

@@ -1,18 +1,16 @@
 #include "server/api/http/connection.hpp"
 
 #include <chrono>
-#include <type_traits>
 
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
-#include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket.hpp>
-#include <boost/beast/websocket/ssl.hpp>
 #include <spdlog/spdlog.h>
 
+#include "protocol/stream/byte_stream.hpp"
 #include "server/api/http/dispatch.hpp"
 
 namespace headstock::api {
@@ -28,8 +26,7 @@ using asio::ip::tcp;
 constexpr auto tuple = asio::as_tuple(asio::use_awaitable);
 
 using Parser = http::request_parser<http::buffer_body>;
-using PlainStream = beast::tcp_stream;
-using TlsStream = beast::ssl_stream<beast::tcp_stream>;
+using protocol::ByteStream;
 
 /// Entry in the list of connections for as long as the coroutine lives.
 class Listed {
@@ -50,10 +47,9 @@ class Listed {
   std::list<Connected>::iterator at_;
 };
 
-template <class Stream>
 class StreamBody final : public BoundedBody {
  public:
-  StreamBody(Stream& stream, beast::flat_buffer& buffer, Parser& parser, const Limits& limits)
+  StreamBody(ByteStream& stream, beast::flat_buffer& buffer, Parser& parser, const Limits& limits)
       : stream_(stream), buffer_(buffer), parser_(parser), limits_(limits) {
     awaits_continue_ = beast::iequals(parser.get()[http::field::expect], "100-continue");
   }
@@ -67,7 +63,7 @@ class StreamBody final : public BoundedBody {
     if (awaits_continue_) {
       awaits_continue_ = false;
       static const std::string go_on = "HTTP/1.1 100 Continue\r\n\r\n";
-      beast::get_lowest_layer(stream_).expires_after(limits_.body_time);
+      stream_.lowest().expires_after(limits_.body_time);
       co_await asio::async_write(stream_, asio::buffer(go_on), tuple);
     }
     while (!parser_.is_done()) {
@@ -75,7 +71,7 @@ class StreamBody final : public BoundedBody {
       body.data = into;
       body.size = at_most;
       body.more = true;
-      beast::get_lowest_layer(stream_).expires_after(limits_.body_time);
+      stream_.lowest().expires_after(limits_.body_time);
       auto [error, ignored] = co_await http::async_read(stream_, buffer_, parser_, tuple);
       if (error == http::error::need_buffer) error = {};
       if (error) throw Refused("upload_incomplete");
@@ -88,7 +84,7 @@ class StreamBody final : public BoundedBody {
   }
 
  private:
-  Stream& stream_;
+  ByteStream& stream_;
   beast::flat_buffer& buffer_;
   Parser& parser_;
   const Limits& limits_;
@@ -123,8 +119,7 @@ Headers headers_of(const http::fields& fields) {
 }
 
 /// @return false when the connection broke.
-template <class Stream>
-awaitable<bool> send_reply(Stream& stream, Reply& reply, bool head, bool keep_alive, const Limits& limits) {
+awaitable<bool> send_reply(ByteStream& stream, Reply& reply, bool head, bool keep_alive, const Limits& limits) {
   add_security_headers(reply);
   const std::string_view bytes = reply.fixed.empty() ? std::string_view(reply.body) : reply.fixed;
   http::response<http::span_body<const char>> message{static_cast<http::status>(reply.status), 11};
@@ -133,7 +128,7 @@ awaitable<bool> send_reply(Stream& stream, Reply& reply, bool head, bool keep_al
   message.keep_alive(keep_alive);
   const bool bodiless = reply.status == 204 || reply.status == 304;
   if (!bodiless) message.content_length(reply.stream ? reply.stream->size() : bytes.size());
-  beast::get_lowest_layer(stream).expires_after(limits.body_time);
+  stream.lowest().expires_after(limits.body_time);
   if (head || bodiless || reply.stream) {
     http::response_serializer<http::span_body<const char>> serializer{message};
     const auto [error, ignored] = co_await http::async_write_header(stream, serializer, tuple);
@@ -148,7 +143,7 @@ awaitable<bool> send_reply(Stream& stream, Reply& reply, bool head, bool keep_al
   while (left > 0) {
     const auto got = co_await reply.stream->read(piece.data(), std::min<std::uint64_t>(left, piece.size()));
     if (got == 0) co_return false;   // the announced length can no longer be kept: a broken connection says so
-    beast::get_lowest_layer(stream).expires_after(limits.body_time);
+    stream.lowest().expires_after(limits.body_time);
     const auto [error, ignored] = co_await asio::async_write(stream, asio::buffer(piece.data(), got), tuple);
     if (error) co_return false;
     left -= got;
@@ -156,11 +151,10 @@ awaitable<bool> send_reply(Stream& stream, Reply& reply, bool head, bool keep_al
   co_return true;
 }
 
-template <class Stream>
 class Socket final : public SocketClient {
  public:
-  Socket(Stream&& stream, const Limits& limits) : socket_(std::move(stream)) {
-    beast::get_lowest_layer(socket_).expires_never();
+  Socket(ByteStream&& stream, const Limits& limits) : socket_(std::move(stream)) {
+    socket_.next_layer().lowest().expires_never();
     websocket::stream_base::timeout timeouts{};
     timeouts.handshake_timeout = std::chrono::seconds(10);
     timeouts.idle_timeout = std::chrono::seconds(30);
@@ -184,10 +178,10 @@ class Socket final : public SocketClient {
     if (error) co_return std::nullopt;
     co_return beast::buffers_to_string(buffer.data());
   }
-  void cut() override { beast::get_lowest_layer(socket_).close(); }
+  void cut() override { socket_.next_layer().lowest().close(); }
 
  private:
-  websocket::stream<Stream> socket_;
+  websocket::stream<ByteStream> socket_;
 };
 
 /// A reply to what could not be parsed; nothing when there is nobody to answer.
@@ -202,14 +196,11 @@ std::optional<Refused> parse_failure(const beast::error_code& error, bool anythi
 
 /// Lets the client read the reply before a reset could destroy it: one that still sends a long upload is heard, and what
 /// it sends is dropped, until it is silent for two seconds or for half a minute in all.
-template <class Stream>
-awaitable<void> linger(Stream& stream) {
-  auto& tcp_stream = beast::get_lowest_layer(stream);
+awaitable<void> linger(ByteStream& stream) {
+  auto& tcp_stream = stream.lowest();
   boost::system::error_code ignored;
-  if constexpr (std::is_same_v<Stream, TlsStream>) {
-    tcp_stream.expires_after(std::chrono::seconds(2));
-    co_await stream.async_shutdown(tuple);
-  }
+  tcp_stream.expires_after(std::chrono::seconds(2));
+  co_await stream.shutdown();
   tcp_stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
   std::vector<char> waste(64 * 1024);
   const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(30);
@@ -221,10 +212,9 @@ awaitable<void> linger(Stream& stream) {
   tcp_stream.close();
 }
 
-template <class Stream>
-awaitable<void> serve(Stream stream, std::shared_ptr<Shared> shared, bool secure) {
+awaitable<void> serve(ByteStream stream, std::shared_ptr<Shared> shared) {
   Listed listed(shared);
-  auto& lowest = beast::get_lowest_layer(stream);
+  beast::tcp_stream& lowest = stream.lowest();
   listed->cut = [&lowest] { lowest.close(); };
   boost::system::error_code ignored;
   const auto endpoint = lowest.socket().remote_endpoint(ignored);
@@ -252,12 +242,12 @@ awaitable<void> serve(Stream stream, std::shared_ptr<Shared> shared, bool secure
     Request request;
     request.headers = headers_of(parser.get());
     request.peer = peer;
-    request.secure = secure;
+    request.secure = stream.secure();
     request.head = parser.get().method() == http::verb::head;
     const auto method = method_of(parser.get().method());
     const auto target = parser.get().target();
     Dispatched done;
-    StreamBody<Stream> body(stream, buffer, parser, limits);
+    StreamBody body(stream, buffer, parser, limits);
     if (!method) {
       done.reply = error_reply(Refused("method_not_allowed"));
     } else if (!split_target({target.data(), target.size()}, request.path, request.query)) {
@@ -269,7 +259,7 @@ awaitable<void> serve(Stream stream, std::shared_ptr<Shared> shared, bool secure
       request.head = head;
     }
     if (done.socket_for && websocket::is_upgrade(parser.get())) {
-      auto socket = std::make_shared<Socket<Stream>>(std::move(stream), limits);
+      auto socket = std::make_shared<Socket>(std::move(stream), limits);
       listed->cut = [socket] { socket->cut(); };
       listed->idle = true;
       const bool accepted = co_await socket->accept(parser.get());
@@ -290,7 +280,7 @@ awaitable<void> serve(Stream stream, std::shared_ptr<Shared> shared, bool secure
 
 awaitable<void> serve_plain(tcp::socket socket, std::shared_ptr<Shared> shared) {
   try {
-    co_await serve(PlainStream(std::move(socket)), shared, false);
+    co_await serve(ByteStream(std::move(socket), nullptr), shared);
   } catch (const std::exception& error) {
     spdlog::warn("a connection ended: {}", error.what());
   }
@@ -298,15 +288,15 @@ awaitable<void> serve_plain(tcp::socket socket, std::shared_ptr<Shared> shared) 
 
 awaitable<void> serve_tls(tcp::socket socket, asio::ssl::context& tls, std::shared_ptr<Shared> shared) {
   try {
-    TlsStream stream(std::move(socket), tls);
+    ByteStream stream(std::move(socket), &tls);
     {
       Listed listed(shared);
-      listed->cut = [&stream] { beast::get_lowest_layer(stream).close(); };
-      beast::get_lowest_layer(stream).expires_after(std::chrono::seconds(10));
-      const auto [error] = co_await stream.async_handshake(asio::ssl::stream_base::server, tuple);
+      listed->cut = [&stream] { stream.lowest().close(); };
+      stream.lowest().expires_after(std::chrono::seconds(10));
+      const auto error = co_await stream.handshake(asio::ssl::stream_base::server);
       if (error) co_return;   // a scanner, or a browser that does not know the certificate yet
     }
-    co_await serve(std::move(stream), shared, true);
+    co_await serve(std::move(stream), shared);
   } catch (const std::exception& error) {
     spdlog::warn("a connection ended: {}", error.what());
   }
@@ -314,7 +304,7 @@ awaitable<void> serve_tls(tcp::socket socket, asio::ssl::context& tls, std::shar
 
 awaitable<void> turn_away(tcp::socket socket, std::shared_ptr<Shared> shared) {
   try {
-    PlainStream stream(std::move(socket));
+    ByteStream stream(std::move(socket), nullptr);
     Reply reply = error_reply(Refused("busy"));
     co_await send_reply(stream, reply, false, false, shared->limits);
     co_await linger(stream);

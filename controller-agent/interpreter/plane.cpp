@@ -1,0 +1,78 @@
+// Planes, the role of axes in them, and the parameters that say what a word means.
+#include <cmath>
+
+#include "interpreter/executor.hpp"
+
+namespace headstock::interp {
+namespace {
+
+// First and second axis of XY, ZX and YZ as roles.
+constexpr int kRoles[3][2] = {{1, 2}, {3, 1}, {2, 3}};
+
+constexpr int basic_role(int role) {
+  return role > 4 ? role - 4 : role;
+}
+
+}  // namespace
+
+int Executor::role_of(std::size_t axis) const {
+  const char name = axes[axis].name;
+  const std::string parameter = std::string("1022/") + name;
+  if (const auto set = data.parameters.find(parameter); set != data.parameters.end())
+    return static_cast<int>(set->second);
+  constexpr std::string_view kBasic = "XYZ", kParallel = "UVW";
+  if (const auto basic = kBasic.find(name); basic != kBasic.npos) return static_cast<int>(basic) + 1;
+  if (const auto parallel = kParallel.find(name); parallel != kParallel.npos && !axes[axis].rotary)
+    return static_cast<int>(parallel) + 5;
+  return 0;
+}
+
+// G17/G18/G19: the plane's axes are those of the block's words, the basic ones where there are none
+// (0i-D 7.4).
+void Executor::select_plane(Plane wanted) {
+  plane = wanted;
+  const auto& roles = kRoles[static_cast<std::size_t>(wanted)];
+  const auto find = [this](int role) {
+    int found = -1;
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      const int its = role_of(i);
+      if (basic_role(its) != role) continue;
+      if (block.has(axes[i].name)) return static_cast<int>(i);
+      if (its == role || found < 0) found = its == role ? static_cast<int>(i) : found;
+    }
+    return found;
+  };
+  plane_index = {find(roles[0]), find(roles[1])};
+}
+
+double Executor::dwell_units_a_second() const {
+  if (data.bit(dialect.numbers.coarse_increment_parameter)) return 100;
+  return data.bit(dialect.numbers.fine_increment_parameter) ? 10'000 : 1'000;
+}
+
+// Diameter programming and the kind of an axis come from the machine's description; a parameter overrules it.
+void Executor::take_parameters() {
+  const auto& rules = dialect.modes;
+  any_rolls_over = false;
+  for (ProgramAxis& axis : axes) {
+    const auto set = [&](std::string_view number) -> std::optional<bool> {
+      if (number.empty()) return std::nullopt;
+      const auto found = data.parameters.find(std::string(number) + '/' + axis.name);
+      return found == data.parameters.end() ? std::nullopt : std::optional(found->second != 0);
+    };
+    if (const auto diameter = set(rules.diameter_parameter)) axis.diameter = *diameter ? 0.5 : 1;
+    if (const auto rotary = set(rules.rotary_parameter)) axis.rotary = *rotary;
+    axis.rolls_over = axis.rotary && set(rules.roll_over_parameter).value_or(false);
+    axis.by_sign = set(rules.roll_over_by_sign_parameter).value_or(false);
+    any_rolls_over = any_rolls_over || axis.rolls_over;
+    if (axis.rolls_over)
+      axis.turn =
+          std::llround(data.parameter(std::string(rules.turn_parameter) + '/' + axis.name, 360) * 1e9);
+  }
+  set_switches(switches);
+  set_units(modal.inch);
+  update_zeros();
+  linear_rapid = data.bit(dialect.linear_rapid_parameter);
+}
+
+}  // namespace headstock::interp
