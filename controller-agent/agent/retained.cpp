@@ -10,6 +10,7 @@ using nlohmann::json;
 constexpr const char* kCounters = "counters";
 constexpr const char* kSelected = "selected";
 constexpr const char* kData = "data";
+constexpr std::uint32_t kFirstRetained = 500;  // the variables below do not outlive the power of any control
 
 std::vector<char> axis_names(const machine::Machine& machine) {
   std::vector<char> names;
@@ -21,7 +22,8 @@ json parsed(const link::Spool& spool, const char* key) {
   const auto text = spool.retained(key);
   if (!text) return nullptr;
   json value = json::parse(*text, nullptr, false);
-  if (!value.is_object()) throw std::runtime_error(std::string("the stored value '") + key + "' cannot be read");
+  if (!value.is_object())
+    throw std::runtime_error(std::string("the stored value '") + key + "' cannot be read");
   return value;
 }
 
@@ -67,7 +69,9 @@ SelectedProgram read_selected(const link::Spool& spool) {
 
 link::RetainedValue data_value(const interp::MachineData& data, const machine::Machine& machine) {
   json variables = json::object();
-  for (const auto& [number, value] : data.common_variables) variables[std::to_string(number)] = value;
+  for (const auto& [number, value] : data.common_variables) {
+    if (number >= kFirstRetained) variables[std::to_string(number)] = value;
+  }
   const json value = {{"offsets", json::parse(interp::offsets_to_json(data, axis_names(machine)))},
                       {"parameters", data.parameters},
                       {"variables", std::move(variables)},
@@ -81,7 +85,8 @@ interp::MachineData read_data(const link::Spool& spool, const machine::Machine& 
   if (value.is_null()) return data;
   std::string problem = interp::load_offsets(value.at("offsets").dump(), axis_names(machine), data);
   if (problem.empty()) problem = interp::load_parameters(value.at("parameters").dump(), data);
-  if (!problem.empty()) throw std::runtime_error("the stored offsets and parameters cannot be read: " + problem);
+  if (!problem.empty())
+    throw std::runtime_error("the stored offsets and parameters cannot be read: " + problem);
   for (const auto& [number, number_value] : value.at("variables").items()) {
     data.common_variables[static_cast<std::uint32_t>(std::stoul(number))] = number_value.get<double>();
   }

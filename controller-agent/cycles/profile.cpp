@@ -89,7 +89,9 @@ struct Place {
   std::uint32_t line = 1;
 };
 
-Place behind_block(const interp::Frame& frame) {
+Place behind_block(Executor& ex) {
+  if (!ex.settle_reader()) return {};
+  const interp::Frame& frame = ex.frames.back();
   if (frame.rest == nullptr) return {frame.reader->byte_offset(), frame.reader->line_number()};
   return {frame.line.byte_offset + static_cast<std::uint64_t>(frame.rest - frame.line.text.data()),
           frame.line.number};
@@ -98,6 +100,8 @@ Place behind_block(const interp::Frame& frame) {
 bool go_to(Executor& ex, Place place) {
   interp::Frame& frame = ex.frames.back();
   frame.rest = nullptr;
+  ex.leave_chain();
+  if (ex.reader_of(frame) == nullptr) return false;
   return frame.reader->seek(place.offset, place.line);
 }
 
@@ -298,7 +302,7 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   profile.start = {ex.slide_mm(axes.u), ex.slide_mm(axes.v)};
 
   const Modal before(ex);
-  const Place behind = behind_block(ex.frames.back());
+  const Place behind = behind_block(ex);
   const std::size_t depth = ex.frames.size();
   if (!go_to(ex, behind)) return fail(ex, rules, Fault::not_stored, 'P');
   const auto place = find_profile(ex, range, behind);
@@ -395,7 +399,7 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
 }
 
 bool start_finishing(Executor& ex, const Rules& rules, BlockRange range) {
-  const Place behind = behind_block(ex.frames.back());
+  const Place behind = behind_block(ex);
   if (!go_to(ex, behind)) return fail(ex, rules, Fault::not_stored, 'P');
   const auto& known = ex.cycle.profile;
   std::optional<Place> place;

@@ -79,6 +79,48 @@ enum class AlarmReason : std::uint8_t {
   sequence_not_found,
   nesting,
   call_count,
+  // ---- macros
+  macro_syntax,          ///< neither a word nor a statement
+  macro_integer,         ///< AND, OR, XOR of a number that does not fit into 32 bits
+  macro_overflow,        ///< a result outside the range of numbers
+  macro_divide,          ///< by zero
+  macro_variable,        ///< no variable has this number
+  macro_protected,       ///< may not be written
+  macro_write_only,      ///< may not be read
+  macro_brackets,        ///< nested too deep
+  macro_argument,        ///< outside what the function takes
+  macro_digits,          ///< a constant with too many digits
+  macro_two_arguments,   ///< ATAN, POW: wrong arguments
+  macro_expression,      ///< wrong form of an expression
+  macro_open_bracket,    ///< missing
+  macro_close_bracket,   ///< missing
+  macro_equals,          ///< missing
+  macro_comma,           ///< missing
+  macro_if_form,
+  macro_while_form,
+  macro_loop_number,     ///< DO and END take 1 to 3
+  macro_loop_end,        ///< DO without END, or crossing
+  macro_loop_begin,      ///< END without DO
+  macro_goto_range,      ///< GOTO 0, GOTO 100000
+  macro_goto_target,     ///< GOTO: no such sequence number
+  macro_dnc,             ///< GOTO, WHILE in a program that cannot be searched
+  macro_with_words,      ///< statement or call together with other commands
+  macro_g_argument,      ///< G as an argument
+  macro_groups,          ///< more than 10 groups of I J K
+  macro_nesting,         ///< calls too deep
+  macro_call_twice,      ///< two macro calls in a block
+  sub_call_twice,        ///< two sub-program calls in a block
+  macro_m99_with_words,  ///< M99 with other words under G66
+  macro_cancel,          ///< G67 without G66
+  macro_no_name,         ///< [#NAME] that nobody named
+  macro_name_long,
+  macro_subscript,
+  macro_names_form,      ///< SETVN
+  macro_name_character,  ///< SETVN
+  macro_set_name_long,   ///< SETVN
+  macro_print_form,      ///< DPRNT, BPRNT
+  external_not_found,    ///< M198: no such file
+  external_twice,        ///< M198 in a program called by M198
   endless_loop,  ///< jumps without end and without motion: ours, controllers just hang
   // ---- chamfers, corner rounds, drawing dimensions
   corner_words,         ///< more than one of I J K R, or chamfer and round together

@@ -34,6 +34,10 @@ std::vector<MRule> usual_m_rules();
 
 /// Chamfers, drawing dimensions, radius compensation: data and alarm numbers of the profile (path_rules.cpp).
 void set_path_rules(Dialect& dialect);
+/// The macro language and variables of a dialect, and their alarm numbers. After `tools` and the other alarms.
+void add_fanuc_macros(Dialect& dialect);
+void add_gsk_2000tc_macros(Dialect& dialect);
+void add_gsk_218t_macros(Dialect& dialect);
 
 Dialect make_fanuc_0i_t();
 Dialect make_fanuc_0i_m();

@@ -16,8 +16,12 @@
 #include "interpreter/own_language.hpp"
 #include "machine/machine.hpp"
 
+namespace headstock::macro {
+struct Rules;
+}
 namespace headstock::interp {
 struct Executor;
+struct SystemVariable;
 }
 
 namespace headstock::dialects {
@@ -211,6 +215,9 @@ struct Dialect {
   std::string_view linear_rapid_parameter;     ///< bit: G00 runs on a straight line
   std::string_view hole_clamp_parameter;  ///< M code that clamps the rotary axis inside hole cycles
   bool g28_alone_moves_all = false;            ///< G28 without axes sends every axis home
+  /// The controller's macro language, or at least its variables; nullptr: it has none. Static storage.
+  const macro::Rules* macros = nullptr;
+  std::span<const interp::SystemVariable> system_variables;  ///< numbers from 1000 up, any order
   /// A text that starts like a macro statement, when the dialect has a form of its own (200T names). May be
   /// nullptr.
   bool (*statement)(interp::Executor&, std::string_view text, std::uint32_t column) = nullptr;

@@ -23,6 +23,28 @@ constexpr std::uint32_t kFeedSpindleTool = letters("FST");
 }  // namespace
 
 bool Executor::execute() {
+  ++at.block;
+  if (macros != nullptr) {
+    motions_before = motions;
+    move_calls = !frames.back().macro.modal_calls.empty();
+    bool taken = false;
+    if ((block.g_count | block.m_count) != 0 || macros->calls_by_code) {
+      if (!take_calls(taken)) return false;
+      if (taken) return true;
+    }
+  }
+  const bool good = execute_words();
+  if (macros == nullptr) return good;
+  if (!good) {
+    sub_call = nullptr;
+    return false;
+  }
+  if (sub_call != nullptr && !run_pending_call()) return false;
+  if (!finished) remember_modal_values();
+  return true;
+}
+
+bool Executor::execute_words() {
   // Data of G10 … up to G11. A lone G11 is an ordinary code.
   if (data_input.line != nullptr && !(block.g_count == 1 && block.g[0].tenths == 110))
     return check_words() && data_input.line(*this);
@@ -73,8 +95,9 @@ bool Executor::execute() {
     if (block.m_count != 0) cycle.deferred = std::make_unique<program::Block>(block);
     return true;
   }
-  if (block.m_count == 0) return true;
-  return run_m_codes(true) && run_program_flow();
+  if (block.m_count != 0 && !(run_m_codes(true) && run_program_flow())) return false;
+  if (move_calls && motions != motions_before && !finished) return call_modal();
+  return true;
 }
 
 bool Executor::run_deferred() {
@@ -310,6 +333,11 @@ bool Executor::run_program_flow() {
         if (block.has('P')) {
           sequence = whole('P', AlarmReason::sequence_not_found);
           if (sequence < 0) return false;
+        }
+        if (move_calls && motions != motions_before) {  // the call first, then the return (0i-D L18869)
+          frames.back().macro.returns_after_call = true;
+          frames.back().macro.returns_to = sequence;
+          break;
         }
         if (frames.size() > 1) return return_from_sub(sequence, column);
         const bool stops = tool_life::stops_at_m99(*this);

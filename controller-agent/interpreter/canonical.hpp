@@ -20,6 +20,7 @@ struct SourcePosition {
   std::uint32_t line = 0;         ///< 1-based line of that program's source
   std::uint32_t column = 0;       ///< 1-based column (bytes); 0 when the whole block is meant
   std::uint32_t sequence = 0;     ///< last N number passed
+  std::uint32_t block = 0;        ///< blocks begun in this run, macro statements not counted: 1 is the first
   std::uint64_t byte_offset = 0;  ///< of the block's first byte, for resuming a drip-feed
 };
 
@@ -34,6 +35,7 @@ struct ModalSnapshot {
   std::int32_t tool = 0;     ///< tool number as programmed
   std::int32_t offset = 0;   ///< offset number in force
   double feed = 0;           ///< F as programmed, in the unit of the feed group
+  std::uint32_t macro_control = 0;  ///< #3003, and #3004 from bit 4 on: what the operator's keys may not do
   double spindle_speed = 0;  ///< S as programmed: rpm, or m/min (ft/min) under constant surface speed
   AxisVector
       work_zero{};    ///< machine coordinate of the active workpiece zero incl. tool offset [mm], radius on X
@@ -204,10 +206,18 @@ struct MCode {
   bool input_level = true;   ///< true: active
 };
 
+enum class MessageKind : std::uint8_t {
+  show,   ///< for the operator: #3006, comments
+  print,  ///< DPRNT, BPRNT: bytes for the output device, in the code of the program (not yet ISO or EIA)
+  open,   ///< POPEN: connect, DC2
+  close   ///< PCLOS: DC4, disconnect
+};
+
 /// #3006, comments to show, DPRNT output.
 struct Message {
   SourcePosition at;
   std::string text;
+  MessageKind kind = MessageKind::show;
 };
 
 /// M00/M01: wait for cycle start.

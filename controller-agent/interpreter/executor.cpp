@@ -10,6 +10,7 @@ using program::letters;
 
 // Letters that name axes, and on a lathe the letters of their increments.
 constexpr std::string_view kAxisNames = "XYZABCUVW";
+constexpr std::uint32_t kStepsBetweenQuestions = 1'024;
 constexpr std::string_view kIncrementOf = "XUYVZWCH";  // pairs: axis, its increment
 
 }  // namespace
@@ -25,6 +26,13 @@ Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& mac
   }
   select_plane(dialect.tools.lathe ? Plane::zx : Plane::xy);
   queue.reserve(8);
+  if (dialect.macros != nullptr) {
+    macros = std::make_unique<MacroState>(*this, *dialect.macros, dialect.tools.lathe);
+    lex_rules.expressions = &macros->words;
+    load_variables();
+    macros->variables.power_on();
+    flush_changes();
+  }
   if (dialect.make_own != nullptr) own = dialect.make_own(*this);
   modal.g.fill(-1);
   set_units(false);
@@ -117,16 +125,27 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   leave_surface();
   surface = {};
   surface_path = {};
-  frames.clear();
-  Frame frame;
-  frame.reader = std::make_unique<program::BlockReader>(std::move(main), dialect.longest_block);
-  frames.push_back(std::move(frame));
+  leave_program();
+  push_program(std::move(main), 0, 1);
+  if (macros != nullptr) {
+    load_variables();
+    macros->programs.clear();
+    macros->interruption_on_now = false;
+    read_macro_parameters();
+    frames.back().macro.locals = std::make_shared<macro::LocalSet>();
+    macros->variables.locals = frames.back().macro.locals.get();
+    macros->history = {};
+  }
+  sub_call = nullptr;
+  barrier = awaits_standstill = false;
+  at_standstill = true;
   queue.clear();
   queue_head = 0;
   cancel_compensation();
   cycle.clear();
   finished = false;
-  jumps = 0;
+  jumps = idle_jumps = 0;
+  restarting = false;
   at = {};
   tool_life::begin_run(*this);
   data_input = {};
@@ -139,6 +158,11 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
 Pull Executor::next(Operation& wanted) {
   out = &wanted;
   out_used = false;
+  if (macros != nullptr && macros->common_version != data.version) load_variables();
+  if (awaits_standstill) {  // asked again: everything has been carried out
+    awaits_standstill = false;
+    at_standstill = true;
+  }
   for (;;) {
     if (queue_head < queue.size()) {
       wanted = std::move(queue[queue_head++]);
@@ -161,20 +185,68 @@ Pull Executor::next(Operation& wanted) {
     }
     const Step result = step();
     if (pipeline.active()) pipeline.take(*this);
-    if (finished) frames.clear();  // the program is left: files are closed, a drip-feed is told
+    if (macros != nullptr && macros->variables.has_changes() &&
+        (out_used || finished || result != Step::done))
+      flush_changes();
+    if (finished) leave_program();  // files are closed, a drip-feed is told
     if (out_used) return Pull::operation;
     if (result == Step::wait) return Pull::wait;
+    if (result == Step::standstill) {
+      awaits_standstill = true;
+      return Pull::standstill;
+    }
+    if (macros == nullptr || ++macros->steps % kStepsBetweenQuestions != 0) continue;
+    if (macros->environment->wants_stop()) {
+      finished = true;
+      leave_program();
+      flush_changes();
+      return Pull::finished;
+    }
+    if (macros->environment->wants_pause()) {
+      flush_changes();
+      return Pull::pause;
+    }
   }
 }
 
-void Executor::reset(const AxisVector& machine_position) {
+void Executor::leave_program() {
+  if (macros != nullptr) macros->variables.forget_locals();
   frames.clear();
+}
+
+// Variables are stored when something comes out: a loop that counts up is one change.
+void Executor::flush_changes() {
+  for (const auto& [number, before] : macros->variables.take_changes()) {
+    const double now = macros->common.get(number);
+    if (macro::is_null(now)) {
+      data.common_variables.erase(number);
+    } else {
+      data.common_variables[number] = now;
+    }
+    report_change("variable/" + std::to_string(number), before, now);
+  }
+  macros->common_version = data.version;
+}
+
+// Somebody else changed the machine's data: the operator, or G10.
+void Executor::load_variables() {
+  macros->common.load(data.common_variables);
+  macros->common_version = data.version;
+}
+
+void Executor::reset(const AxisVector& machine_position) {
+  leave_program();
   queue.clear();
   queue_head = 0;
   cancel_compensation();
   cycle.clear();
   finished = true;
   clear_modes();
+  if (macros != nullptr) {
+    load_variables();
+    reset_variables();
+    flush_changes();
+  }
   spindle_direction = SpindleDirection::stop;
   tool_life::leave(*this);
   if (own) own->reset(*this);
@@ -187,6 +259,15 @@ void Executor::cancel_compensation() {
   if (const GCode* cancel = table->find(400); cancel != nullptr && cancel->group != 0) {
     modal.g[cancel->group] = cancel->tenths;
   }
+}
+
+void Executor::reset_variables() {
+  const macro::Rules& rules = macros->rules;
+  const bool kept = data.bit(rules.keep_volatile_parameter) ||
+                    (!rules.clear_volatile_parameter.empty() && !data.bit(rules.clear_volatile_parameter));
+  if (!kept) macros->variables.clear_volatile();
+  macros->control = modal.macro_control = 0;
+  macros->interruption_on_now = false;
 }
 
 void Executor::set_position(const AxisVector& machine_position) {
@@ -229,7 +310,7 @@ bool Executor::alarm(AlarmReason reason, const program::Code& wrong, char letter
 
 void Executor::report_change(std::string what, double before, double after) {
   ++data.version;
-  if (changed) changed({std::move(what), before, after});
+  if (changed && !restarting) changed({std::move(what), before, after});
 }
 
 }  // namespace headstock::interp

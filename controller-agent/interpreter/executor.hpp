@@ -21,9 +21,11 @@
 #include "interpreter/data_input.hpp"
 #include "interpreter/interpreter.hpp"
 #include "interpreter/machine_data.hpp"
+#include "interpreter/macro_state.hpp"
 #include "interpreter/own_language.hpp"
 #include "interpreter/pipeline.hpp"
 #include "interpreter/polar_command.hpp"
+#include "interpreter/restart.hpp"
 #include "interpreter/skip.hpp"
 #include "interpreter/surface.hpp"
 #include "interpreter/tool_life.hpp"
@@ -80,7 +82,9 @@ struct Frame {
   bool at_start = true;               ///< nothing but tape marks and the O word so far
   std::int64_t wanted_sequence = -1;  ///< searching this N; -1: not searching
   SourcePosition wanted_by;           ///< of the jump, for the alarm
-  std::string wanted_name;            ///< label of the jump where labels are not numbers
+  AlarmReason not_found = AlarmReason::sequence_not_found;
+  MacroFrame macro;
+  std::string wanted_name;  ///< label of the jump where labels are not numbers
 };
 
 struct Executor {
@@ -94,6 +98,13 @@ struct Executor {
   void clear_modes();  // clear_state.cpp: what RESET does to modes and coordinates
   void start(std::unique_ptr<program::Source> main, const AxisVector& machine_position);
   Pull next(Operation& out);
+  // restart.cpp
+  Pull restart(std::unique_ptr<program::Source> main, const AxisVector& machine_position,
+               const RestartPoint& point);
+  Pull run_through();
+  bool restart_reached(bool has_sequence, std::uint32_t sequence, bool counted);
+  void keep_data_of_broken_run();
+  void sample(const Operation& passed);
   void reset(const AxisVector& machine_position);
   void set_position(const AxisVector& machine_position);
   void cancel_compensation();
@@ -103,8 +114,21 @@ struct Executor {
   const ModalSnapshot& modal_on_machine();  // surface.cpp
 
   // ---- reading (flow.cpp)
-  enum class Step : std::uint8_t { done, wait };
+  enum class Step : std::uint8_t { done, wait, standstill };
   Step step();
+  Step read_block();
+  Step search_block();
+  /// Of a program on the stack; opened when it is first needed. nullptr after an alarm.
+  program::BlockReader* reader_of(Frame& frame);
+  /// Before anybody reads on by himself: the reader stands behind the block being carried out.
+  bool settle_reader();
+  /// After he went elsewhere: what would have been carried out next is forgotten.
+  void leave_chain();
+  void run_block(bool empty, bool has_sequence, std::uint32_t sequence);
+  Frame& push_program(std::unique_ptr<program::Source> source, std::uint32_t number, std::int64_t times);
+  void drop_program();
+  bool begin_again(Frame& frame);
+  bool begin_search(std::int64_t sequence, std::uint32_t column, AlarmReason not_found);
   bool end_of_text(bool record_end);
   bool jump_to_sequence(std::int64_t sequence, std::uint32_t column);
   bool call(std::unique_ptr<program::Source> source, std::uint32_t number, std::int64_t times,
@@ -114,8 +138,47 @@ struct Executor {
   bool count_jump();
   bool finish(EndReason reason, bool counts_part);
 
+  // ---- macros (macro_flow.cpp: statements, jumps; macro_call.cpp; macro_words.cpp)
+  Step carry_out(CompiledBlock& compiled);
+  CompiledBlock* keep_block(const program::LexResult& read, const BlockPlace& place);
+  void go_on_after(const CompiledBlock& compiled);
+  void go_on_at(const BlockPlace& place);
+  macro::Result run_statement(CompiledBlock& compiled);
+  macro::Result assign(const macro::Statement& statement);
+  macro::Result go_to_sequence(CompiledBlock& compiled);
+  macro::Result begin_loop(CompiledBlock& compiled);
+  macro::Result end_loop(CompiledBlock& compiled);
+  macro::Result find_loop_end(CompiledBlock& compiled);
+  macro::Result print_statement(const macro::Statement& statement);
+  macro::Result set_names(const macro::Statement& statement);
+  macro::Result fill_computed(const CompiledBlock& compiled);
+  void leave_loops_around(std::uint64_t offset);
+  bool macro_alarm(double number);
+  /// Looks for calls in the block. `taken`: the block was one and is done with.
+  bool take_calls(bool& taken);
+  bool call_macro(std::uint32_t program, std::uint32_t column, bool modal);
+  bool call_modal();
+  bool cancel_modal(std::uint32_t column);
+  bool call_external(std::uint32_t column);
+  bool run_pending_call();
+  bool gather_arguments(std::uint32_t column, std::int32_t call_m, macro::LocalSet& locals);
+  int argument_decimals(char letter) const;
+  bool nesting_allows(CallKind kind, std::uint32_t column);
+  void read_macro_parameters();
+  void remember_modal_values();
+  ModalValues modal_values() const;
+  bool interrupt(const AxisVector& machine_position);
+  void end_interruption(const InterruptedState& before, bool keep_modal);
+  /// Everything handed out must have been carried out before what follows is read (G31, M00, unbuffered M).
+  void hold_look_ahead() { barrier = true; }
+  void flush_changes();
+  void load_variables();
+  void leave_program();
+  void reset_variables();
+
   // ---- one block (block.cpp)
   bool execute();
+  bool execute_words();
   bool check_words();
   bool take_codes();
   bool run_settings();
@@ -244,8 +307,10 @@ struct Executor {
   T& emit() {
     if constexpr (std::is_base_of_v<Motion, T> || std::is_same_v<T, Dwell> || std::is_same_v<T, MCode> ||
                   std::is_same_v<T, Stop>) {
-      jumps = 0;
+      jumps = idle_jumps = 0;
     }
+    if constexpr (std::is_base_of_v<Motion, T>) ++motions;
+    if constexpr (!std::is_same_v<T, Message> && !std::is_same_v<T, Alarm>) at_standstill = false;
     if (!out_used) {
       out_used = true;
       return out->emplace<T>();
@@ -342,9 +407,25 @@ struct Executor {
   bool spindle_changed = false;
   std::uint32_t pending_axes = 0;  ///< axes that move because their offset changed (G43 H)
 
+  // ---- macros
+  std::unique_ptr<MacroState> macros;  ///< nullptr: the dialect has no variables
+  const CodeCall* sub_call = nullptr;  ///< sub-program the block calls when it is done
+  CodeCall word_call{};                ///< of a T word, another address or M198
+  std::uint32_t sub_call_column = 0;
+  std::uint64_t motions = 0;         ///< emitted so far
+  std::uint64_t motions_before = 0;  ///< before this block
+  bool at_standstill = true;         ///< nothing was handed out since everything was carried out
+  bool awaits_standstill = false;    ///< told the caller so
+  bool barrier = false;
+  RestartRun restart_run;
+  bool restarting = false;  ///< running through to where a restart begins
+  bool move_calls = false;  ///< G66 was in force when this block began
+  std::vector<std::unique_ptr<program::BlockReader>> spare_readers;
+
   // ---- the program
   std::vector<Frame> frames;
-  std::uint64_t jumps = 0;  ///< backwards since the last motion
+  std::uint64_t jumps = 0;       ///< since the last motion
+  std::uint64_t idle_jumps = 0;  ///< since the last motion or assignment
   bool finished = true;
 
   // ---- chamfers, corner rounds, G41/G42

@@ -1,4 +1,5 @@
 // How blocks follow each other: reading, skipping, calls, jumps, ends.
+#include <algorithm>
 #include <utility>
 
 #include "interpreter/executor.hpp"
@@ -6,9 +7,9 @@
 namespace headstock::interp {
 namespace {
 
-// Jumps backwards without any motion, dwell, stop or M code between them before the program is called
-// endless.
-constexpr std::uint64_t kJumpBudget = 100'000;
+// Jumps that follow each other without motion, dwell, stop or M code and without any assignment between them:
+// nothing can end such a loop.
+constexpr std::uint64_t kIdleJumps = 100'000;
 
 AlarmReason reason_of(program::LexError error) {
   using program::LexError;
@@ -26,8 +27,12 @@ AlarmReason reason_of(program::LexError error) {
     case LexError::illegal_character:
       return AlarmReason::illegal_address;
     case LexError::too_many_codes:
+    case LexError::too_many_words:
       return AlarmReason::too_many_m;
+    case LexError::mixed_statement:
+      return AlarmReason::macro_with_words;
     case LexError::sequence_format:
+    case LexError::computed_number:
       return AlarmReason::program_number;
     case LexError::expression:
     case LexError::none:
@@ -38,9 +43,64 @@ AlarmReason reason_of(program::LexError error) {
 
 }  // namespace
 
+program::BlockReader* Executor::reader_of(Frame& frame) {
+  if (frame.reader != nullptr) return frame.reader.get();
+  auto source = programs == nullptr    ? nullptr
+                : frame.macro.external ? programs->open_external(frame.number)
+                                       : programs->open_number(frame.number);
+  if (source == nullptr) {
+    alarm(AlarmReason::program_not_found, 0, "O" + std::to_string(frame.number));
+    return nullptr;
+  }
+  if (spare_readers.empty()) {
+    frame.reader = std::make_unique<program::BlockReader>(std::move(source), dialect.longest_block);
+  } else {
+    frame.reader = std::move(spare_readers.back());
+    spare_readers.pop_back();
+    frame.reader->restart(std::move(source));
+  }
+  return frame.reader.get();
+}
+
+bool Executor::settle_reader() {
+  Frame& frame = frames.back();
+  program::BlockReader* reader = reader_of(frame);
+  if (reader == nullptr) return false;
+  frame.macro.next = frame.macro.last = nullptr;
+  if (!frame.macro.displaced) return true;
+  const BlockPlace place = frame.macro.place;
+  leave_chain();
+  frame.rest = nullptr;
+  if (!reader->seek(place.line)) return alarm(AlarmReason::input_failed, 0);
+  if (place.within != 0 && reader->next(frame.line) == program::LineStatus::line)
+    frame.rest = frame.line.text.data() + std::min<std::size_t>(place.within, frame.line.text.size());
+  return true;
+}
+
+void Executor::leave_chain() {
+  MacroFrame& macro = frames.back().macro;
+  macro.next = macro.last = nullptr;
+  macro.displaced = false;
+  macro.place = {};
+}
+
 Executor::Step Executor::step() {
   Frame& frame = frames.back();
+  if (barrier) {
+    barrier = false;
+    if (!at_standstill && macros != nullptr && macros->environment->takes_time()) return Step::standstill;
+  }
   if (own && own->before_block(*this, frame) == OwnLanguage::Taken::done) return Step::done;
+  if (frame.macro.next != nullptr) return carry_out(*std::exchange(frame.macro.next, nullptr));
+  if (reader_of(frame) == nullptr) return Step::done;
+  if (frame.macro.displaced) {
+    frame.rest = nullptr;
+    if (!frame.reader->seek(frame.macro.place.line)) {
+      alarm(AlarmReason::input_failed, 0);
+      return Step::done;
+    }
+    frame.macro.displaced = false;
+  }
   if (frame.rest == nullptr) {
     switch (frame.reader->next(frame.line)) {
       case program::LineStatus::line:
@@ -61,14 +121,37 @@ Executor::Step Executor::step() {
         return Step::done;
     }
     frame.rest = frame.line.text.data();
+    if (frame.macro.place.within != 0) {  // back in the middle of a line
+      const auto within = std::min<std::size_t>(frame.macro.place.within, frame.line.text.size());
+      frame.macro.place.within = 0;
+      frame.rest += within;
+    }
   }
+  // A language of its own may have labels of its own.
+  return frame.wanted_sequence >= 0 && own == nullptr ? search_block() : read_block();
+}
+
+Executor::Step Executor::read_block() {
+  Frame& frame = frames.back();
+  const char* line_begin = frame.line.text.data();
+  const char* line_end = nullptr;
+  const BlockPlace place{frame.line.place, static_cast<std::uint32_t>(frame.rest - line_begin)};
   at.program = frame.number;
   at.line = frame.line.number;
   at.column = 0;
-  at.byte_offset = frame.line.byte_offset + static_cast<std::uint64_t>(frame.rest - frame.line.text.data());
+  at.byte_offset = place.offset();
   if (own && own->take_text(*this, frame) == OwnLanguage::Taken::done) return Step::done;
+  if (frame.wanted_sequence >= 0) return search_block();
+  line_end = frame.line.text.data() + frame.line.text.size();
 
-  const char* line_end = frame.line.text.data() + frame.line.text.size();
+  if (frame.macro.code != nullptr && !frame.macro.code->empty()) {
+    if (CompiledBlock* known = frame.macro.code->find(at.byte_offset)) {
+      frame.rest = known->ends_line ? nullptr : line_begin + known->after.within;
+      if (frame.macro.last != nullptr) frame.macro.last->next = known;
+      return carry_out(*known);
+    }
+  }
+  if (macros != nullptr && !macros->words.expressions.empty()) macros->words.expressions.clear();
   const program::LexResult read = program::lex_block(frame.line.text, frame.rest, lex_rules, block);
   frame.rest = read.rest == line_end ? nullptr : read.rest;
 
@@ -80,23 +163,23 @@ Executor::Step Executor::step() {
     end_of_text(true);
     return Step::done;
   }
-  if (frame.wanted_sequence >= 0) {  // searching: only the N word counts
-    if (!block.has_sequence || block.sequence != frame.wanted_sequence) return Step::done;
-    frame.wanted_sequence = -1;
-  }
   if (block.has_sequence) at.sequence = block.sequence;
 
   if (block.skip != 0 && (block.skip & switches.block_skip) != 0) {
     frame.rest =
         nullptr;  // to the end of the line: what was typed after EOB on one line is read again with it
+    frame.macro.last = nullptr;
     return Step::done;
   }
   if (read.status == program::LexStatus::error) {
-    alarm(reason_of(read.error), read.column);
+    const bool by_macro = read.error == program::LexError::expression && macros != nullptr &&
+                          macros->words.fault != AlarmReason::count_;
+    alarm(by_macro ? macros->words.fault : reason_of(read.error), read.column);
     return Step::done;
   }
-  if (read.status == program::LexStatus::statement) {
-    pipeline.block_read();  // a macro statement counts as a block without movement (0i-D M, K2000TC L19782)
+  const bool statement = read.status == program::LexStatus::statement;
+  if (statement && (macros == nullptr || !macros->rules.statements)) {
+    pipeline.block_read();
     if (own && own->statement(*this, read.statement, read.column) == OwnLanguage::Taken::done) {
       frame.at_start = false;
       return Step::done;
@@ -107,6 +190,11 @@ Executor::Step Executor::step() {
     }
     return Step::done;
   }
+  if (macros != nullptr && (statement || block.computed_count != 0 || !frame.macro.loops.empty() ||
+                            frame.macro.kind != CallKind::main)) {
+    CompiledBlock* compiled = keep_block(read, place);
+    return compiled == nullptr ? Step::done : carry_out(*compiled);
+  }
 
   if (block.has_number) {
     if (!frame.at_start && block.number != frame.number) {  // the next program of the file begins
@@ -116,29 +204,76 @@ Executor::Step Executor::step() {
     if (frame.at_start) frame.number = at.program = block.number;
   }
   const bool empty = (block.words | block.marked | block.g_count | block.m_count) == 0;
-  if (!empty || block.has_sequence) frame.at_start = false;
-  if (!empty) pipeline.block_read();
-  if (!empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;
-  if (cycle.watch != nullptr) {  // a block of a profile
-    const bool has_sequence = block.has_sequence;
-    const std::uint32_t sequence = block.sequence;
-    if (!empty && (!cycle.watch->admit(*this) || !execute())) return Step::done;
-    if (!finished) cycle.watch->done(*this, has_sequence, sequence);
+  if (restarting && restart_reached(block.has_sequence, block.sequence, !empty)) {
+    frame.rest = line_begin + place.within;  // read again by the next pull
     return Step::done;
   }
-  if (!empty) execute();
+  if (!empty || block.has_sequence) frame.at_start = false;
+  frame.macro.last = nullptr;
+  if (!empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;
+  run_block(empty, block.has_sequence, block.sequence);
   return Step::done;
+}
+
+void Executor::run_block(bool empty, bool has_sequence, std::uint32_t sequence) {
+  if (!empty) pipeline.block_read();
+  if (cycle.watch != nullptr) {  // a block of a profile
+    if (!empty && (!cycle.watch->admit(*this) || !execute())) return;
+    if (!finished) cycle.watch->done(*this, has_sequence, sequence);
+    return;
+  }
+  if (!empty) execute();
+}
+
+// Only the N word counts, and it must be the first of its block.
+Executor::Step Executor::search_block() {
+  Frame& frame = frames.back();
+  const char* line_begin = frame.line.text.data();
+  const BlockPlace place{frame.line.place, static_cast<std::uint32_t>(frame.rest - line_begin)};
+  const program::BlockHead head = program::read_head(frame.line.text, frame.rest, lex_rules);
+  const auto over = [&] {
+    end_of_text(true);
+    return Step::done;
+  };
+  if (head.record_end) {
+    if (!frame.at_start) return over();
+    frame.rest = nullptr;  // the leader
+    return Step::done;
+  }
+  if (head.has_number) {
+    if (!frame.at_start && head.number != frame.number) return over();
+    frame.number = head.number;
+  }
+  const char* line_end = line_begin + frame.line.text.size();
+  if (head.has_sequence || head.body < line_end) frame.at_start = false;
+  if (frame.macro.search_turned && place.offset() > frame.macro.search_from.offset()) return over();
+  if (!head.has_sequence || head.sequence != frame.wanted_sequence) {
+    frame.rest = head.rest == line_end ? nullptr : head.rest;
+    return Step::done;
+  }
+  frame.wanted_sequence = -1;
+  if (CompiledBlock* from = std::exchange(frame.macro.jump_from, nullptr)) {
+    constexpr std::size_t kMostTargets = 64;
+    if (from->targets.size() < kMostTargets) from->targets.emplace_back(head.sequence, place);
+  }
+  leave_loops_around(place.offset());
+  return Step::done;  // the block is read by the next step
 }
 
 bool Executor::end_of_text(bool record_end) {
   Frame& frame = frames.back();
   at.column = 0;
   if (frame.wanted_sequence >= 0) {
-    const SourcePosition from = frame.wanted_by;
+    if (!std::exchange(frame.macro.search_turned, true)) {  // from the jump to the end, then from the head
+      frame.macro.displaced = true;
+      frame.macro.place = {};
+      frame.at_start = true;
+      return true;
+    }
     const std::string wanted =
         frame.wanted_name.empty() ? std::to_string(frame.wanted_sequence) : frame.wanted_name;
-    at = from;
-    return alarm(AlarmReason::sequence_not_found, from.column, "N" + wanted);
+    at = frame.wanted_by;
+    return alarm(frame.not_found, at.column, "N" + wanted);
   }
   if (own && !own->end_of_text(*this, frame)) return false;
   if (!record_end) at.line = frame.reader->line_number();
@@ -162,22 +297,88 @@ bool Executor::finish(EndReason reason, bool counts_part) {
 }
 
 bool Executor::count_jump() {
-  if (++jumps <= kJumpBudget) return true;
+  ++jumps;
+  if (macros != nullptr && macros->variables.writes != macros->writes_at_jump) {
+    macros->writes_at_jump = macros->variables.writes;
+    idle_jumps = 0;
+  }
+  if (++idle_jumps <= kIdleJumps && jumps <= switches.most_jumps) return true;
   return alarm(AlarmReason::endless_loop, 0);
 }
 
-bool Executor::jump_to_sequence(std::int64_t sequence, std::uint32_t column) {
+bool Executor::begin_search(std::int64_t sequence, std::uint32_t column, AlarmReason not_found) {
   if (!count_jump()) return false;
   Frame& frame = frames.back();
-  if (!frame.reader->seek(0, 1)) {  // a stream cannot go back
-    return alarm(AlarmReason::sequence_not_found, column, "N" + std::to_string(sequence));
-  }
-  frame.rest = nullptr;
-  frame.at_start = true;
-  frame.wanted_sequence = sequence;
+  program::BlockReader* reader = reader_of(frame);
+  if (reader == nullptr) return false;
   frame.wanted_by = at;
   frame.wanted_by.column = column;
+  frame.not_found = not_found;
+  if (!reader->can_seek()) {  // a stream cannot be searched
+    return alarm(not_found, column, "N" + std::to_string(sequence));
+  }
+  frame.wanted_sequence = sequence;
+  frame.macro.search_turned = false;
+  frame.macro.jump_from = nullptr;
+  frame.macro.next = frame.macro.last = nullptr;
+  if (own != nullptr) {
+    frame.macro.search_turned = frame.macro.displaced = true;
+    frame.macro.place = {};
+    frame.macro.search_from = {{UINT64_MAX / 2, 1, false, false}, 0};  // all of it
+    frame.at_start = true;
+  } else if (frame.macro.displaced) {
+    frame.macro.search_from = frame.macro.place;
+  } else if (frame.rest != nullptr) {
+    frame.macro.search_from = {frame.line.place,
+                               static_cast<std::uint32_t>(frame.rest - frame.line.text.data())};
+  } else {
+    frame.macro.search_from = {reader->place(), 0};
+  }
   return true;
+}
+
+bool Executor::jump_to_sequence(std::int64_t sequence, std::uint32_t column) {
+  return begin_search(sequence, column, AlarmReason::sequence_not_found);
+}
+
+Frame& Executor::push_program(std::unique_ptr<program::Source> source, std::uint32_t number,
+                              std::int64_t times) {
+  Frame frame;
+  if (source != nullptr) {
+    if (spare_readers.empty()) {
+      frame.reader = std::make_unique<program::BlockReader>(std::move(source), dialect.longest_block);
+    } else {
+      frame.reader = std::move(spare_readers.back());
+      spare_readers.pop_back();
+      frame.reader->restart(std::move(source));
+    }
+  }
+  frame.number = number;
+  frame.repeats_left = times - 1;
+  frame.macro.kind = frames.empty() ? CallKind::main : CallKind::sub;
+  if (macros != nullptr) {
+    if (!frames.empty()) {
+      frame.macro.locals = frames.back().macro.locals;
+      frame.macro.modal_calls = frames.back().macro.modal_calls;
+      frame.macro.by_code = frames.back().macro.by_code;
+      frame.macro.external = frames.back().macro.external;
+    }
+    frame.macro.code = std::make_shared<CompiledProgram>();
+  }
+  frames.push_back(std::move(frame));
+  return frames.back();
+}
+
+void Executor::drop_program() {
+  constexpr std::size_t kMostSpare = 8;
+  Frame& frame = frames.back();
+  if (frame.reader != nullptr && spare_readers.size() < kMostSpare) {
+    frame.reader->restart(nullptr);  // the source is closed now
+    spare_readers.push_back(std::move(frame.reader));
+  }
+  frames.pop_back();
+  if (macros != nullptr && !frames.empty() && frames.back().macro.locals != nullptr)
+    macros->variables.locals = frames.back().macro.locals.get();
 }
 
 bool Executor::call(std::unique_ptr<program::Source> source, std::uint32_t number, std::int64_t times,
@@ -185,14 +386,26 @@ bool Executor::call(std::unique_ptr<program::Source> source, std::uint32_t numbe
   if (source == nullptr) {
     return alarm(AlarmReason::program_not_found, column, number == 0 ? "" : "O" + std::to_string(number));
   }
-  if (static_cast<int>(frames.size()) > dialect.calls.nesting) return alarm(AlarmReason::nesting, column);
+  if (!nesting_allows(CallKind::sub, column)) return false;
   if (!count_jump()) return false;
   if (times <= 0) return true;
-  Frame frame;
-  frame.reader = std::make_unique<program::BlockReader>(std::move(source), dialect.longest_block);
-  frame.number = number;
-  frame.repeats_left = times - 1;
-  frames.push_back(std::move(frame));
+  push_program(std::move(source), number, times);
+  return true;
+}
+
+bool Executor::begin_again(Frame& frame) {
+  MacroFrame& macro = frame.macro;
+  macro.loops.clear();
+  if (macro.arguments != nullptr) *macro.locals = *macro.arguments;
+  frame.rest = nullptr;
+  frame.at_start = true;
+  macro.last = nullptr;
+  macro.next = macro.code != nullptr ? macro.code->find(0) : nullptr;
+  macro.displaced = true;
+  macro.place = {};
+  if (frame.reader != nullptr && !frame.reader->can_seek()) return alarm(AlarmReason::input_failed, 0);
+  if (macro.start_sequence >= 0)
+    return begin_search(macro.start_sequence, 0, AlarmReason::sequence_not_found);
   return true;
 }
 
@@ -200,25 +413,27 @@ bool Executor::return_from_sub(std::int64_t to_sequence, std::uint32_t column) {
   Frame& frame = frames.back();
   if (frame.repeats_left > 0) {
     --frame.repeats_left;
-    if (!count_jump()) return false;
-    if (!frame.reader->seek(0, 1)) return alarm(AlarmReason::input_failed, column);
-    frame.rest = nullptr;
-    frame.at_start = true;
-    return true;
+    return count_jump() && begin_again(frame);
   }
-  frames.pop_back();
+  const auto interrupted = std::move(frame.macro.interrupted);
+  drop_program();
   at.program = frames.back().number;
+  if (interrupted != nullptr) end_interruption(*interrupted, to_sequence >= 0);
   if (to_sequence >= 0) return jump_to_sequence(to_sequence, column);
+  MacroFrame& caller = frames.back().macro;
+  if (std::exchange(caller.returns_after_call, false)) {  // M99 stood beside the move that made the call
+    if (frames.size() > 1) return return_from_sub(caller.returns_to, column);
+    if (caller.returns_to >= 0) return jump_to_sequence(caller.returns_to, column);
+    return finish(EndReason::m99_main, dialect.m99_main_counts_part);
+  }
   return true;
 }
 
 bool Executor::rewind_main() {
   if (!count_jump()) return false;
-  while (frames.size() > 1) frames.pop_back();
-  if (!frames.back().reader->seek(0, 1)) return alarm(AlarmReason::sequence_not_found, 0);
-  frames.back().rest = nullptr;
-  frames.back().at_start = true;
-  return true;
+  while (frames.size() > 1) drop_program();
+  if (!frames.back().reader->can_seek()) return alarm(AlarmReason::sequence_not_found, 0);
+  return begin_again(frames.back());
 }
 
 }  // namespace headstock::interp

@@ -18,8 +18,31 @@ void Interpreter::set_switches(const Switches& switches) {
 void Interpreter::on_data_change(DataChanged callback) {
   executor_->changed = std::move(callback);
 }
+void Interpreter::set_environment(macro::Environment* environment) {
+  if (executor_->macros != nullptr)
+    executor_->macros->environment = environment != nullptr ? environment : &executor_->macros->offline;
+}
+bool Interpreter::interrupt(const AxisVector& machine_position) {
+  return executor_->interrupt(machine_position);
+}
+bool Interpreter::interruption_enabled() const {
+  return executor_->macros != nullptr && executor_->macros->interruption_on_now;
+}
+std::uint32_t Interpreter::macro_control() const {
+  return executor_->macros != nullptr ? executor_->macros->control : 0;
+}
 void Interpreter::start(std::unique_ptr<program::Source> main, const AxisVector& machine_position) {
   executor_->start(std::move(main), machine_position);
+}
+Pull Interpreter::restart(std::unique_ptr<program::Source> main, const AxisVector& machine_position,
+                          const RestartPoint& point) {
+  return executor_->restart(std::move(main), machine_position, point);
+}
+Pull Interpreter::run_through() {
+  return executor_->run_through();
+}
+const RestartState& Interpreter::restart_state() const {
+  return executor_->restart_run.state;
 }
 Pull Interpreter::next(Operation& out) {
   return executor_->next_on_machine(out);

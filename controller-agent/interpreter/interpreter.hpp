@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "interpreter/canonical.hpp"
 #include "interpreter/machine_data.hpp"
@@ -15,6 +16,10 @@
 
 namespace headstock::dialects {
 struct Dialect;
+}
+
+namespace headstock::macro {
+class Environment;
 }
 
 namespace headstock::interp {
@@ -36,11 +41,33 @@ struct Switches {
   bool lenient = false;     ///< field files: `;` comments, no O/%, bare numbers as mm
   char gcode_system = 'A';  ///< A, B or C (fanuc-0i-t)
   DecimalPoint decimal_point = DecimalPoint::as_machine;
+  /// Jumps without motion, dwell, stop or M code before a program is called endless (HS0001). A loop that
+  /// assigns nothing and looks at nothing is endless after a hundred thousand.
+  std::uint64_t most_jumps = 20'000'000;
+};
+
+/// Where a program is taken up again (0i-D III-4.6).
+struct RestartPoint {
+  std::uint32_t block = 0;       ///< SourcePosition::block; 0: by sequence number
+  std::uint32_t sequence = 0;    ///< N of the block; 0: by block
+  std::uint32_t occurrence = 1;  ///< which time that N is reached
+};
+
+/// What the part before a restart left behind, for the operator and for the way back to the work.
+struct RestartState {
+  AxisVector position{};            ///< machine position where the block begins, slide mm
+  std::vector<std::int32_t> m;      ///< M codes passed, the newest 35, oldest first
+  std::int32_t tool = 0, offset = 0;
+  double spindle = 0;               ///< S in force
+  ModalSnapshot modal;
 };
 
 enum class Pull {
   operation,  ///< `out` holds the next operation
   wait,       ///< the source has no data yet
+  standstill,  ///< a macro looks at the machine: carry out everything handed out, then ask again. Only with an
+               ///< Environment that takes time
+  pause,       ///< a long calculation lets others have their turn: ask again. Only when the Environment wants it
   finished    ///< the End (or Alarm) operation has already been handed out
 };
 
@@ -55,10 +82,22 @@ class Interpreter {
 
   void set_switches(const Switches& switches);
   void on_data_change(DataChanged callback);
+  /// What macros ask of the running machine. Must outlive the interpreter; nullptr: the offline default.
+  void set_environment(macro::Environment* environment);
 
   /// Starts a main program from its beginning with the modal state in force. The machine stands at
   /// `machine_position`.
   void start(std::unique_ptr<program::Source> main, const AxisVector& machine_position);
+
+  /// Starts a main program at a block in its middle: the part before it is run through without anything being
+  /// handed out, and what it would write to offsets and kept variables is not written again. To be called
+  /// until it returns something else than `wait`.
+  /// @return operation: the block is reached, next() begins with it; finished: there is no such block, the alarm
+  /// comes with next(). Nothing has moved: the way to `restart_state().position` is the caller's.
+  Pull restart(std::unique_ptr<program::Source> main, const AxisVector& machine_position,
+               const RestartPoint& point);
+  Pull run_through();
+  const RestartState& restart_state() const;
 
   /// Produces the next operation. Never blocks, never throws on bad input: misuse is an Alarm operation.
   Pull next(Operation& out);
@@ -69,6 +108,17 @@ class Interpreter {
 
   /// Where the axes really stand, when a move did not end as programmed (skip, manual intervention, abort).
   void set_position(const AxisVector& machine_position);
+
+  /// The interruption macro (M96 P): to be called between two pulls, with everything handed out carried out or
+  /// dropped, when the interruption signal has come. The axes stand at `machine_position`.
+  /// @return false when no interruption is enabled or one is running: nothing has happened.
+  bool interrupt(const AxisVector& machine_position);
+  /// M96 is in force: the look-ahead takes one block at a time, so that an interruption finds the machine where
+  /// the interpreter is.
+  bool interruption_enabled() const;
+
+  /// Switches of macro statements in force (#3003, and #3004 four bits higher).
+  std::uint32_t macro_control() const;
 
   /// A skip move (`Feed::skip_signals`) is over: by a signal, or at its end. Called before the next operation is
   /// asked for.

@@ -109,6 +109,7 @@ Controller::Impl::Impl(machine::Machine machine_in, interp::MachineData data_in,
       now_ms(options.now_ms ? std::move(options.now_ms) : system_now_ms),
       kernel(machine),
       realtime(machine, kernel, tags, drive_or_default(options, machine), functions_or_default(options)),
+      macro_environment(realtime, retained, waiting, period_s()),
       interpreter(dialect_of(machine), machine, data, &programs),
       feed(machine, kernel, tags),
       switches(options.switches),
@@ -120,6 +121,7 @@ Controller::Impl::Impl(machine::Machine machine_in, interp::MachineData data_in,
   realtime.feed_override = retained.feed_override;
   realtime.rapid_override = retained.rapid_override;
   realtime.spindle_override = retained.spindle_override;
+  interpreter.set_environment(&macro_environment);
   interpreter.set_switches(switches);
   interpreter.reset(home);
   interpreter.on_data_change([this](const interp::DataChange& change) {

@@ -8,6 +8,7 @@
 
 #include "axes/forbidden_zone.hpp"
 #include "operation/controller.hpp"
+#include "operation/macro_environment.hpp"
 #include "operation/motion_feed.hpp"
 #include "operation/overtravel_alarm.hpp"
 #include "operation/program_text.hpp"
@@ -23,6 +24,7 @@ enum class Await : std::uint8_t {
   skip,          ///< G31 over: by its signal or at its end
   block_stop,    ///< single block: the axes stand at the block's end
   program_stop,  ///< M00, M01
+  standstill,    ///< a macro looks at the machine
   alarm,         ///< motion before the alarm's block is complete
   end,           ///< motion before M30 is complete
   commit         ///< the part count is on the disk
@@ -106,6 +108,7 @@ struct Controller::Impl {
   TagRing tags;
   Realtime realtime;
   WindowedPrograms programs;
+  MacroEnvironment macro_environment;
   interp::Interpreter interpreter;
   MotionFeed feed;
   std::function<void(const interp::Operation&)> observer;
@@ -136,6 +139,7 @@ struct Controller::Impl {
   interp::Operation operation;  // pulled, not yet taken up
   bool has_operation = false;
   bool new_block = false;             // the operation taken up begins a block
+  bool calculating = false;  // a macro goes on with its calculation as soon as others had the lock
   interp::SourcePosition last_block;  // of the last operation taken up; line 0: none
   std::shared_ptr<TextWindow> main_window;
   std::uint32_t main_program = 0;

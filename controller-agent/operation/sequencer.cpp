@@ -78,6 +78,7 @@ bool Controller::Impl::work() {
     return true;
   }
   if (await != Await::nothing && realtime.idle()) interlude_done();
+  calculating = false;
   if (phase == Phase::running && await == Await::nothing) pull_operations();
 
   // Planning can be dear: at most a bounded number of pieces under the lock.
@@ -86,7 +87,7 @@ bool Controller::Impl::work() {
   planned = !more;
   if (planned && !realtime.idle()) realtime.planned();
   state_changed();
-  return more || tags.newest() != tag_before || await != await_before;
+  return more || calculating || tags.newest() != tag_before || await != await_before;
 }
 
 void Controller::Impl::pull_operations() {
@@ -97,6 +98,12 @@ void Controller::Impl::pull_operations() {
         case interp::Pull::wait:
           feed.flush();
           data_ran_out();
+          return;
+        case interp::Pull::standstill:
+          post(Await::standstill, {});
+          return;
+        case interp::Pull::pause:
+          calculating = true;
           return;
         case interp::Pull::finished:  // an End or Alarm has been taken up before: nothing is left to do
           return;
@@ -174,7 +181,7 @@ void Controller::Impl::take(const interp::Operation& taken) {
     if (check->on && check->axes != 0)
       zone = axes::Zone{check->axes, check->least, check->most, check->outside_forbidden};
   } else if (const auto* text = std::get_if<interp::Message>(&taken)) {
-    message = text->text;
+    if (text->kind == interp::MessageKind::show) message = text->text;
   } else if (const auto* stop = std::get_if<interp::Stop>(&taken)) {
     if (!stop->optional || optional_stop) post(Await::program_stop, {});
   } else if (const auto* alarm = std::get_if<interp::Alarm>(&taken)) {
@@ -235,6 +242,7 @@ void Controller::Impl::interlude_done() {
     case Await::nothing:
     case Await::function:
     case Await::dwell:
+    case Await::standstill:
     case Await::commit:
       return;
     case Await::skip:

@@ -63,18 +63,39 @@ struct Code {
 
 inline constexpr std::size_t kMostCodes = 16;
 
+/// A word that was written again later in its block (I J K of a macro call).
+struct EarlierWord {
+  Word word;
+  char letter = 'A';
+  bool negative = false;
+};
+inline constexpr std::size_t kMostEarlier = 40;
+
+/// A word whose number a macro expression gives; the expression belongs to whoever compiled it.
+struct ComputedWord {
+  char letter = 'A';       ///< G and M: of g[place], m[place]
+  bool marked = false;     ///< of marked_word[]
+  std::uint8_t place = 0;  ///< earlier[place − 1]; 0: word[] itself
+  std::uint16_t expression = 0;
+};
+inline constexpr std::size_t kMostComputed = 40;
+
 struct Block {
-  std::uint32_t words = 0;     ///< letters present, without G M N O; see letter_bit
-  std::uint32_t pointed = 0;   ///< of these: written with a point
-  std::uint32_t negative = 0;  ///< of these: written with a minus sign
-  std::uint32_t repeated = 0;  ///< of these: written more than once (the last one is kept)
-  std::array<Word, 26> word;   ///< by letter_index; meaningful where `words` has the bit
-  std::uint32_t marked = 0;    ///< letters of the words with a mark before the letter: `,C` `,R` `,A`
+  std::uint32_t words = 0;           ///< letters present, without G M N O; see letter_bit
+  std::uint32_t pointed = 0;         ///< of these: written with a point
+  std::uint32_t negative = 0;        ///< of these: written with a minus sign
+  std::uint32_t repeated = 0;        ///< of these: written more than once (the last one is kept)
+  std::array<Word, 26> word;         ///< by letter_index; meaningful where `words` has the bit
+  std::uint32_t marked = 0;          ///< letters of the words with a mark before the letter: `,C` `,R` `,A`
   std::array<Word, 26> marked_word;  ///< of these; meaningful where `marked` has the bit
   std::array<Code, kMostCodes> g;
   std::array<Code, kMostCodes> m;
+  std::array<EarlierWord, kMostEarlier> earlier;  ///< words that were repeated, in order
+  std::array<ComputedWord, kMostComputed> computed;
   std::uint8_t g_count = 0;
   std::uint8_t m_count = 0;
+  std::uint8_t earlier_count = 0;
+  std::uint8_t computed_count = 0;
   bool m_pointed = false;      ///< an M code was written with a point
   bool has_sequence = false;   ///< N word present
   bool has_number = false;     ///< O word (or `:`) present
@@ -93,7 +114,7 @@ struct Block {
   /// Forgets the last block; word[] stays as it is, `words` says what is meaningful.
   void clear() {
     words = pointed = negative = repeated = marked = 0;
-    g_count = m_count = 0;
+    g_count = m_count = earlier_count = computed_count = 0;
     m_pointed = has_sequence = has_number = false;
     skip = inner_slash = 0;
   }

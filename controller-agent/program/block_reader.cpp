@@ -52,7 +52,7 @@ LineStatus BlockReader::fill() {
 }
 
 void BlockReader::deliver(std::size_t length, std::size_t terminator, Line& out) {
-  out = {{buffer_.data() + begin_, length}, line_number_, byte_offset()};
+  out = {{buffer_.data() + begin_, length}, line_number_, byte_offset(), {byte_offset(), line_number_, false, false}};
   begin_ += length + terminator;
   ++line_number_;
   if (next_lf_ < begin_) next_lf_ = find(buffer_.data(), begin_, end_, '\n');
@@ -91,24 +91,44 @@ LineStatus BlockReader::next(Line& out) {
   }
 }
 
-bool BlockReader::seek(std::uint64_t byte_offset, std::uint32_t line_number) {
-  // A short loop stays in the buffer; but a stream cannot go back, whatever its buffer happens to hold.
-  if (byte_offset >= base_offset_ && byte_offset <= base_offset_ + end_) {
-    if (!source_->seek(base_offset_ + end_)) return false;
-    line_number_ = line_number;
-    skip_cr_ = skip_lf_ = false;
-    begin_ = static_cast<std::size_t>(byte_offset - base_offset_);
-    next_lf_ = find(buffer_.data(), begin_, end_, '\n');
-    next_cr_ = find(buffer_.data(), begin_, end_, '\r');
-    return true;
+bool BlockReader::can_seek() {
+  if (seekable_ == Seek::unknown)
+    seekable_ = source_->seek(base_offset_ + end_) ? Seek::can : Seek::cannot;
+  return seekable_ == Seek::can;
+}
+
+bool BlockReader::seek(const LinePlace& place) {
+  if (!can_seek()) return false;
+  if (place.byte_offset >= base_offset_ && place.byte_offset <= base_offset_ + end_) {
+    // A short loop stays in the buffer, and only what lies between is searched again for line ends.
+    const auto begin = static_cast<std::size_t>(place.byte_offset - base_offset_);
+    const auto line_end = [&](std::size_t known, char wanted) {
+      if (begin > known) return find(buffer_.data(), begin, end_, wanted);
+      const std::size_t nearer = begin < begin_ ? find(buffer_.data(), begin, begin_, wanted) : begin_;
+      return nearer < begin_ ? nearer : known;
+    };
+    next_lf_ = line_end(next_lf_, '\n');
+    next_cr_ = line_end(next_cr_, '\r');
+    begin_ = begin;
+  } else {
+    if (!source_->seek(place.byte_offset)) return false;
+    begin_ = end_ = next_lf_ = next_cr_ = 0;
+    base_offset_ = place.byte_offset;
+    at_end_ = false;
   }
-  if (!source_->seek(byte_offset)) return false;
-  begin_ = end_ = next_lf_ = next_cr_ = 0;
-  base_offset_ = byte_offset;
-  line_number_ = line_number;
-  skip_cr_ = skip_lf_ = false;
-  at_end_ = false;
+  line_number_ = place.number;
+  skip_cr_ = place.after_lf;
+  skip_lf_ = place.after_cr;
   return true;
+}
+
+void BlockReader::restart(std::unique_ptr<Source> source) {
+  source_ = std::move(source);
+  begin_ = end_ = next_lf_ = next_cr_ = 0;
+  base_offset_ = 0;
+  line_number_ = 1;
+  skip_cr_ = skip_lf_ = at_end_ = false;
+  seekable_ = Seek::unknown;
 }
 
 }  // namespace headstock::program

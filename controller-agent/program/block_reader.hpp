@@ -10,11 +10,20 @@
 
 namespace headstock::program {
 
+/// Where a line begins, well enough to go back there.
+struct LinePlace {
+  std::uint64_t byte_offset = 0;
+  std::uint32_t number = 1;
+  bool after_lf = false;  ///< CRs that follow belong to the line before
+  bool after_cr = false;  ///< so does an LF
+};
+
 /// One line of a program: everything between two end-of-block codes on the tape.
 struct Line {
   std::string_view text;          ///< without its end; valid until the next call of `next`
   std::uint32_t number = 0;       ///< 1-based
   std::uint64_t byte_offset = 0;  ///< of the first byte in the source
+  LinePlace place;                ///< to come back to this line
 };
 
 enum class LineStatus {
@@ -34,7 +43,16 @@ class BlockReader {
   LineStatus next(Line& out);
 
   /// Goes to a line whose place is known. @return false when the source cannot seek.
-  bool seek(std::uint64_t byte_offset, std::uint32_t line_number);
+  bool seek(std::uint64_t byte_offset, std::uint32_t line_number) {
+    return seek(LinePlace{byte_offset, line_number, false, false});
+  }
+  bool seek(const LinePlace& place);
+  /// Whether the source can go back; a stream cannot, whatever the buffer happens to hold.
+  bool can_seek();
+  /// The next line's.
+  LinePlace place() const { return {byte_offset(), line_number_, skip_cr_, skip_lf_}; }
+  /// Begins with another source; what was known of the last one is forgotten.
+  void restart(std::unique_ptr<Source> source);
 
   /// Where the next line starts.
   std::uint64_t byte_offset() const { return base_offset_ + begin_; }
@@ -56,6 +74,8 @@ class BlockReader {
   bool skip_cr_ = false;  // the last line ended with LF: CRs that follow belong to it
   bool skip_lf_ = false;  // the last line ended with CR: an LF that follows belongs to it
   bool at_end_ = false;
+  enum class Seek : std::uint8_t { unknown, can, cannot };
+  Seek seekable_ = Seek::unknown;
 };
 
 }  // namespace headstock::program

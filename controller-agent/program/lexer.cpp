@@ -1,5 +1,6 @@
 #include "program/lexer.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -56,8 +57,10 @@ bool is_digit(char c) {
 struct Number {
   Word word;
   bool negative = false;
-  bool absent = false;    // a macro variable without a value
   bool computed = false;  // by a macro expression: rules about written points do not apply
+  std::uint16_t expression = 0;
+  bool absent = false;  // a variable without a value
+  bool valued = false;  // by an expression that was evaluated at once
 };
 
 class Scanner {
@@ -109,10 +112,12 @@ class Scanner {
         }
         case Kind::hash:
           return statement();
+        case Kind::bracket:  // [#NAME]=…
+          if (rules_.expressions != nullptr && at_head) return statement();
+          [[fallthrough]];
         case Kind::digit:
         case Kind::sign:
         case Kind::point:
-        case Kind::bracket:
           fail(LexError::no_address, at_);
           return failed();
         case Kind::illegal:
@@ -160,6 +165,10 @@ class Scanner {
   }
 
   LexResult statement() {
+    if ((out_.words | out_.g_count | out_.m_count) != 0 && rules_.expressions != nullptr) {
+      fail(LexError::mixed_statement, at_);
+      return failed();
+    }
     LexResult result;
     result.status = LexStatus::statement;
     result.column = column();
@@ -233,6 +242,17 @@ class Scanner {
 
   bool read_expression(const char* letter, Number& out) {
     if (rules_.expressions == nullptr) return fail(LexError::expression, letter);
+    if (!rules_.expressions->compiles()) return read_value(letter, out);
+    if (out_.computed_count == kMostComputed) return fail(LexError::too_many_words, letter);
+    const LexError error = rules_.expressions->compile(at_, end_, out.expression);
+    if (error != LexError::none) return fail(error, at_);
+    out.word.digit_count = 1;
+    out.word.point = true;
+    out.computed = true;
+    return true;
+  }
+
+  bool read_value(const char* letter, Number& out) {
     double value = 0;
     const LexError error = rules_.expressions->read(at_, end_, value, out.absent);
     if (error != LexError::none) return fail(error, letter);
@@ -243,7 +263,25 @@ class Scanner {
     out.word.decimals = kNanoDecimals;
     out.word.digit_count = 1;
     out.word.point = true;
-    out.computed = true;
+    out.valued = true;
+    return true;
+  }
+
+  void add_computed(char letter, std::size_t place, const Number& number, bool marked = false) {
+    out_.computed[out_.computed_count++] = {letter, marked, static_cast<std::uint8_t>(place),
+                                            number.expression};
+  }
+
+  // The word was there before: it is kept for macro calls, where every one counts.
+  bool keep_earlier(char letter) {
+    if (out_.earlier_count == kMostEarlier) return fail(LexError::too_many_words, at_);
+    out_.earlier[out_.earlier_count++] = {out_.word[letter_index(letter)], letter,
+                                          (out_.negative & letter_bit(letter)) != 0};
+    for (std::size_t i = 0; i < out_.computed_count; ++i) {
+      ComputedWord& computed = out_.computed[i];
+      if (computed.letter == letter && computed.place == 0 && !computed.marked)
+        computed.place = out_.earlier_count;
+    }
     return true;
   }
 
@@ -258,10 +296,11 @@ class Scanner {
       case 'G':
         return add_code(out_.g, out_.g_count, number, where);
       case 'M':
-        out_.m_pointed = out_.m_pointed || (word.point && !number.computed);
+        out_.m_pointed = out_.m_pointed || (word.point && !number.computed && !number.valued);
         return add_code(out_.m, out_.m_count, number, where);
       case 'N':
       case 'O':
+        if (number.computed || number.valued) return fail(LexError::computed_number, where);
         if (number.negative || word.point || word.digit_count > 9)
           return fail(LexError::sequence_format, where);
         if (letter == 'N') {
@@ -278,9 +317,13 @@ class Scanner {
         break;
     }
     const std::uint32_t bit = letter_bit(letter);
-    out_.repeated |= out_.words & bit;
+    if ((out_.words & bit) != 0) {
+      if (!keep_earlier(letter)) return false;
+      out_.repeated |= bit;
+    }
+    if (number.computed) add_computed(letter, 0, number);
     out_.words |= bit;
-    if (word.point && !number.computed)
+    if (word.point && !number.computed && !number.valued)
       out_.pointed |= bit;
     else
       out_.pointed &= ~bit;
@@ -304,6 +347,7 @@ class Scanner {
     if (!read_number(where, number)) return false;
     if (number.absent) return true;
     number.word.column = column(comma);
+    if (number.computed) add_computed(letter, 0, number, true);
     out_.marked |= letter_bit(letter);
     out_.marked_word[letter_index(letter)] = number.word;
     return true;
@@ -313,6 +357,7 @@ class Scanner {
                 const char* where) {
     if (number.negative) return fail(LexError::illegal_minus, where);
     if (count == kMostCodes) return fail(LexError::too_many_codes, where);
+    if (number.computed) add_computed(codes.data() == out_.g.data() ? 'G' : 'M', count, number);
     const std::int64_t tenths = number.word.nano() / (kNano / 10);
     // Hundredths of a G code mean nothing to any of the controls: kept apart from every real code.
     const bool exact = number.word.nano() % (kNano / 10) == 0;
@@ -334,6 +379,69 @@ class Scanner {
 
 LexResult lex_block(std::string_view line, const char* at, const LexRules& rules, Block& out) {
   return Scanner(line, at, rules, out).run();
+}
+
+BlockHead read_head(std::string_view line, const char* at, const LexRules& rules) {
+  const char* end = line.data() + line.size();
+  BlockHead head;
+  const auto read_number = [&](std::uint32_t& out) {
+    std::uint64_t value = 0;
+    for (++at; at < end && (is_digit(*at) || kind_of(*at) == Kind::blank); ++at) {
+      if (is_digit(*at))
+        value = std::min<std::uint64_t>(value * 10 + static_cast<unsigned>(*at - '0'), UINT32_MAX);
+    }
+    out = static_cast<std::uint32_t>(value);
+  };
+  for (bool more = true; more && at < end;) {
+    switch (kind_of(*at)) {
+      case Kind::blank:
+        ++at;
+        break;
+      case Kind::open:
+        while (at < end && *at != ')') ++at;
+        if (at < end) ++at;
+        break;
+      case Kind::slash: {
+        ++at;
+        const std::uint32_t which = at < end && is_digit(*at) ? static_cast<std::uint32_t>(*at++ - '0') : 1u;
+        head.skip |= 1u << which;
+        break;
+      }
+      case Kind::percent:
+        head.record_end = true;
+        head.body = head.rest = end;
+        return head;
+      case Kind::colon:
+        head.has_number = true;
+        read_number(head.number);
+        break;
+      case Kind::letter: {
+        const char letter = static_cast<char>(*at & ~0x20);
+        if ((letter != 'N' && letter != 'O') || (at + 1 < end && kind_of(at[1]) == Kind::letter)) {
+          more = false;
+          break;
+        }
+        if (letter == 'N') {
+          head.has_sequence = true;
+          read_number(head.sequence);
+        } else {
+          head.has_number = true;
+          read_number(head.number);
+        }
+        break;
+      }
+      default:
+        more = false;
+    }
+  }
+  head.body = at;
+  for (bool in_comment = false; at < end; ++at) {
+    if (*at == '(') in_comment = true;
+    if (*at == ')') in_comment = false;
+    if (*at == ';' && !in_comment) break;
+  }
+  head.rest = at == end || rules.semicolon_is_comment ? end : at + 1;
+  return head;
 }
 
 }  // namespace headstock::program

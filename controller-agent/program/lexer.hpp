@@ -19,17 +19,29 @@ enum class LexError : std::uint8_t {
   too_many_digits,    ///< more digits than the control reads
   illegal_character,  ///< a character that no program may have outside a comment
   too_many_codes,     ///< more G or M codes than a block can hold
+  too_many_words,     ///< more repeated or computed words than a block can hold
+  computed_number,    ///< O#1, N[#1]: not allowed
+  mixed_statement,    ///< a macro statement behind words
   sequence_format,    ///< N or O with a sign, a point or too many digits
   expression          ///< the macro expression behind an address is wrong
 };
 
-/// Reads a macro expression behind an address: `#100`, `[#1+2]`, `-#5`. Absent in a dialect without macros.
+/// Takes a macro expression behind an address: `#100`, `[#1+2]`, `-#5`. Absent in a dialect without macros.
+/// Either it compiles and the value is asked for when the block is carried out, or it gives the value at
+/// once.
 class ExpressionReader {
  public:
   virtual ~ExpressionReader() = default;
+  virtual bool compiles() const { return false; }
   /// @param at first character of the expression; left behind its last one.
+  /// @param expression its number, for Block::computed.
+  virtual LexError compile(const char*& /*at*/, const char* /*end*/, std::uint16_t& /*expression*/) {
+    return LexError::expression;
+  }
   /// @param is_null the expression is a variable without a value: the word counts as not written.
-  virtual LexError read(const char*& at, const char* end, double& value, bool& is_null) = 0;
+  virtual LexError read(const char*& /*at*/, const char* /*end*/, double& /*value*/, bool& /*is_null*/) {
+    return LexError::expression;
+  }
 };
 
 struct LexRules {
@@ -60,5 +72,15 @@ struct LexResult {
 /// Reads one block.
 /// @param at where to begin inside `line`; block numbers and columns refer to the line.
 LexResult lex_block(std::string_view line, const char* at, const LexRules& rules, Block& out);
+
+/// What a search looks at: the head of a block and where it ends.
+struct BlockHead {
+  bool record_end = false;
+  bool has_sequence = false, has_number = false;
+  std::uint32_t sequence = 0, number = 0, skip = 0;
+  const char* body = nullptr;  ///< first character behind the head
+  const char* rest = nullptr;  ///< as LexResult::rest
+};
+BlockHead read_head(std::string_view line, const char* at, const LexRules& rules);
 
 }  // namespace headstock::program

@@ -41,6 +41,9 @@ class Programs {
   /// @param number O number.
   /// @return nullptr when there is no such program (the dialect's "program not found" alarm).
   virtual std::unique_ptr<Source> open_number(std::uint32_t number) = 0;
+  /// M198: from the external device (memory card, data server) instead of the memory. Where there is none the
+  /// memory serves.
+  virtual std::unique_ptr<Source> open_external(std::uint32_t number) { return open_number(number); }
   /// @param name named programs (200T labels, file names).
   virtual std::unique_ptr<Source> open_name(std::string_view name) = 0;
 };

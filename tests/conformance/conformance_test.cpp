@@ -40,6 +40,21 @@ void add_feed(Seen& seen, double feed, interp::FeedUnit unit) {
   seen.values[unit == interp::FeedUnit::mm_per_revolution ? "fr" : "f"] = feed;
 }
 
+// A text as one word: blanks as _, bytes that are no characters as \xNN.
+std::string one_word(const std::string& text) {
+  std::string word;
+  for (const char c : text) {
+    char hex[8];
+    std::snprintf(hex, sizeof hex, "\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    word += c == ' '              ? "_"
+            : c == '\n'           ? "\\n"
+            : c == '\r'           ? "\\r"
+            : c > ' ' && c < 0x7f ? std::string(1, c)
+                                  : hex;
+  }
+  return word;
+}
+
 Seen describe(const interp::Operation& operation, const machine::Machine& machine) {
   Seen seen;
   const auto common = [&](const char* op, const interp::Motion& m) {
@@ -107,6 +122,9 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
           seen.values["level"] = op.input_level ? 1 : 0;
         } else if constexpr (std::is_same_v<T, interp::Message>) {
           seen.op = "message";
+          seen.word = op.kind == interp::MessageKind::open    ? "open"
+                      : op.kind == interp::MessageKind::close ? "close"
+                                                              : one_word(op.text);
         } else if constexpr (std::is_same_v<T, interp::Stop>) {
           seen.op = "stop";
         } else if constexpr (std::is_same_v<T, interp::Alarm>) {
@@ -321,7 +339,8 @@ TEST_P(Conformance, AsTheManualSays) {
   interp::Operation operation;
   while (seen.size() < 1'000 && interpreter.next(operation) == interp::Pull::operation) {
     Seen next = describe(operation, machine);
-    if (next.op == "alarm" && next.word != "HS0001") {
+    // MC: the program's own, by #3000.
+    if (next.op == "alarm" && next.word != "HS0001" && !next.word.starts_with("MC")) {
       dialects::Alarm row;
       EXPECT_TRUE(dialects::find_alarm(profile, next.word, row))
           << next.word << " is not in the catalogue of " << profile;

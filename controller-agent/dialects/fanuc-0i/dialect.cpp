@@ -247,6 +247,7 @@ Dialect make_fanuc_0i_t() {
                          {"3402#3", {-1, 910, 910}},
                          {"3402#4", {980, 940, 940}},
                          {"3402#7", {230, 230, 230}}};
+  add_fanuc_macros(d);
   d.numbers.addresses = letters("ABCDEFHIJKLPQRSTUVWXYZ");
   d.numbers.pointed = letters("ABCFIJKRUVWXYZE");
   d.numbers.negative = letters("ABCIJKRUVWXYZ");
@@ -294,6 +295,7 @@ Dialect make_fanuc_0i_m() {
                          {"3402#2", {190, 190, 190}},
                          {"3402#3", {910, 910, 910}},
                          {"3402#7", {230, 230, 230}}};
+  add_fanuc_macros(d);
   d.numbers.feed_per_revolution_unit_mm = 0.01;  // FR3(1405#1) = 0
   d.numbers.feed_per_revolution_unit_inch = 0.0001;
   d.numbers.addresses = letters("ABCDEFHIJKLPQRSTUVWXYZ");

@@ -51,6 +51,7 @@ Dialect make_gsk_2000tc() {
             .next_group_parameter = "S002.4"};
   d.linear_rapid_parameter = "S172.0";
   d.dwell_turns_parameter = "S212.7";
+  add_gsk_2000tc_macros(d);
   return d;
 }
 

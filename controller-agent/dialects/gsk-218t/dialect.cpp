@@ -41,6 +41,7 @@ Dialect make_gsk_218t() {
   d.both_forms = BothForms::alarm;
   d.longest_block = 255;
   d.setting_ignores_offset = true;  // E11: L1349
+  add_gsk_218t_macros(d);
   return d;
 }
 
