@@ -56,6 +56,18 @@ enum class AlarmReason : std::uint8_t {
   data_input,   ///< G10 form
   data_value,   ///< G10 value
   dwell_words,  ///< P and X together
+  // ---- tool life
+  life_format,           ///< G10 L3: a word that may not be there: as data_input
+  life_group_number,     ///< above the most: as data_input
+  life_group_missing,    ///< not registered: as offset_number
+  life_too_many_tools,   ///< in a group: as data_input
+  life_no_t,             ///< T missing: as data_input
+  life_not_in_use,       ///< H99 or D99 without a tool of a group: as offset_number
+  life_wrong_t,          ///< not the group in use: as offset_number
+  life_no_p_l,           ///< P or L missing: as data_input
+  life_too_many_groups,  ///< as data_input
+  life_value,            ///< life 0 or too large: as data_value
+  life_data,             ///< a group without tools: as offset_number
   // ---- calls
   call_without_p,
   program_not_found,
@@ -98,6 +110,13 @@ enum class AlarmReason : std::uint8_t {
   too_many_axes,           ///< more axes at once than the control interpolates: as illegal_address
   single_direction_axis,   ///< G60
   spindle_number,          ///< P of S or G96.1: as value_range
+  polygon_again,           ///< polygon turning commanded in its own mode: as illegal_g
+  polygon_words,           ///< P or Q missing or out of range: as value_range
+  polygon_alone,           ///< polygon codes stand alone: as stand_alone
+  polygon_axis,            ///< no tool axis set: as illegal_g
+  m_combination,           ///< M codes that must stand alone: as too_many_m
+  position_overflow,       ///< a position beyond what the control can count: as value_range
+  arc_increments,          ///< axes of the plane with different increment systems: as arc_plane
   count_                   // number of reasons
 };
 

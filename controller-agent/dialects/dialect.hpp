@@ -11,6 +11,7 @@
 
 #include "dialects/alarm_reason.hpp"
 #include "dialects/mode_rules.hpp"
+#include "dialects/tool_life_rules.hpp"
 #include "interpreter/own_language.hpp"
 #include "machine/machine.hpp"
 
@@ -131,6 +132,7 @@ struct ThreadRules {
   bool lead_along_path = false;  ///< F is the lead along the cone, not along the long axis
   bool f_is_feed_too = false;  ///< F stays in force for G01 after the thread; otherwise F must be given again
   double q_unit_deg = 0.001;   ///< of the start angle Q
+  std::string_view q_parameter = {};  ///< bit: Q may be given; empty: always
   char change_word = 'K';      ///< G34: lead change a revolution
   double most_lead_mm = 500;
 };
@@ -168,6 +170,7 @@ struct Dialect {
   CallRules calls;
   ToolRules tools;
   ModeRules modes;
+  ToolLifeRules life;
   Repeated repeated_words = Repeated::last_wins;
   std::string_view repeated_alarm_parameter;  ///< bit: alarm after all
   std::uint32_t may_repeat = 0;               ///< letters that may repeat in spite of `alarm`

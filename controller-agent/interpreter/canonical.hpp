@@ -64,10 +64,13 @@ struct Motion {
   const char* cycle = nullptr;  ///< "G71" when a canned cycle made the move; static storage
   bool exact_stop = false;      ///< G09/G61: decelerate to zero and check in-position at the end
   CuttingMode cutting_mode = CuttingMode::cutting;
+  bool in_plane = false;  ///< inside the interpreter only: coordinates of G07.1/G12.1, see surface.hpp
 };
 
 /// Bits of `Feed::skip_signals` and `Dwell::skip_signals`: SKIP, SKIP2 … SKIP8, then the torque limit.
 inline constexpr std::uint16_t kSkipTorque = 1u << 8;
+/// … and an input port named by number (`Feed::skip_input`).
+inline constexpr std::uint16_t kSkipInput = 1u << 9;
 
 /// G00: every axis at its own rapid rate, on a straight line or not as the controller's parameter says.
 struct Rapid : Motion {
@@ -80,9 +83,12 @@ struct Rapid : Motion {
 struct Feed : Motion {
   double feed = 0;  ///< mm/min, mm/rev, or 1/min by `unit`; already metric
   FeedUnit unit = FeedUnit::mm_per_minute;
-  /// G31: any of these signals ends the move where the axes are. Whoever carries it out lets the move end, tells
-  /// the interpreter by `skip_ended` where and why, and only then asks for the next operation. 0: no skip.
+  /// G31: any of these signals ends the move where the axes are. Whoever carries it out lets the move end,
+  /// tells the interpreter by `skip_ended` where and why, and only then asks for the next operation. 0: no
+  /// skip.
   std::uint16_t skip_signals = 0;
+  std::int16_t skip_input = 0;    ///< with kSkipInput: the port (200T G31 L, K)
+  bool skip_level = true;         ///< its level that ends the move; true: active
   bool skip_overridable = false;  ///< override, dry run and acceleration apply to a skip move (0i-D SKF)
 };
 
@@ -127,18 +133,19 @@ struct Spindle {
   SpindleDirection direction = SpindleDirection::stop;
   double speed = 0;  ///< rpm, or surface speed in m/min
   bool constant_surface_speed = false;
-  double clamp_rpm = 0;  ///< 0: none
+  double clamp_rpm = 0;                   ///< 0: none
   std::uint8_t surface_axis = kSurfaceX;  ///< index of the axis whose work coordinate is the radius under G96
   static constexpr std::uint8_t kSurfaceX = 0xff;  ///< the X axis
-  std::uint8_t gear = 0;  ///< selected by the control from S (M-type gear shift): 1…4; 0: the machine's affair
+  std::uint8_t gear =
+      0;  ///< selected by the control from S (M-type gear shift): 1…4; 0: the machine's affair
 };
 
 /// G08 P, G05.1 Q: look-ahead ("AI contour") control on or off.
 struct ContourMode {
   SourcePosition at;
   bool on = false;
-  std::int32_t level = 0;       ///< R: 1 fast … 10 precise; 0: not given
-  double reference_feed = 0;    ///< F: feed the bell-shaped acceleration is tuned to [mm/min]; 0: not given
+  std::int32_t level = 0;     ///< R: 1 fast … 10 precise; 0: not given
+  double reference_feed = 0;  ///< F: feed the bell-shaped acceleration is tuned to [mm/min]; 0: not given
 };
 
 /// G22/G23: stored stroke check 2 on or off. The corners are in the parameters too.
@@ -146,8 +153,8 @@ struct StrokeCheck {
   SourcePosition at;
   bool on = false;
   bool outside_forbidden = false;
-  std::uint32_t axes = 0;            ///< axes that have limits
-  AxisVector most{}, least{};        ///< slide positions in machine coordinates [mm, degrees]
+  std::uint32_t axes = 0;      ///< axes that have limits
+  AxisVector most{}, least{};  ///< slide positions in machine coordinates [mm, degrees]
 };
 
 /// G25/G26: supervision of the spindle's speed.
@@ -158,6 +165,14 @@ struct SpindleWatch {
   double reached_ratio = 0;  ///< Q: tolerance of "speed reached", 0.15 = 15 %
   double ratio = 0;          ///< R: allowed fluctuation
   double width_rpm = 0;      ///< I: allowed fluctuation; the wider one counts
+};
+
+/// G51.2/G50.2: polygon turning, the tool axis turns with the spindle.
+struct PolygonTurning {
+  SourcePosition at;
+  bool on = false;
+  std::int32_t spindle_ratio = 1;  ///< P: 1…999
+  std::int32_t tool_ratio = 1;     ///< Q: −999…999, negative: the other way
 };
 
 /// Second auxiliary function (B, or the address the parameters say): goes to the machine as MCode does.
@@ -182,11 +197,11 @@ struct MCode {
   bool after_motion = false;
   // M codes that drive output ports and wait for input ports (200T, K2000TC). The program does not wait for
   // a delay or a position.
-  double delay_s = 0;          ///< carried out so long after it is given (M26.150)
-  std::int8_t at_axis = -1;    ///< ≥ 0: carried out when this axis passes `at_position` (M1026.150)
-  double at_position = 0;      ///< absolute position page, programming units
-  std::int16_t input = 0;      ///< ≥ 1: finished when this input port has the level wanted (M01 L)
-  bool input_level = true;     ///< true: active
+  double delay_s = 0;        ///< carried out so long after it is given (M26.150)
+  std::int8_t at_axis = -1;  ///< ≥ 0: carried out when this axis passes `at_position` (M1026.150)
+  double at_position = 0;    ///< absolute position page, programming units
+  std::int16_t input = 0;    ///< ≥ 1: finished when this input port has the level wanted (M01 L)
+  bool input_level = true;   ///< true: active
 };
 
 /// #3006, comments to show, DPRNT output.
@@ -218,8 +233,7 @@ struct End {
   bool counts_part = false;
 };
 
-using Operation =
-    std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm, End, ContourMode,
-                 StrokeCheck, SpindleWatch, SecondAuxiliary>;
+using Operation = std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm,
+                               End, ContourMode, StrokeCheck, SpindleWatch, SecondAuxiliary, PolygonTurning>;
 
 }  // namespace headstock::interp

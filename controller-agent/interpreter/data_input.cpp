@@ -15,7 +15,7 @@ namespace {
 // A value as the offset page shows it: mm, diameter on a diameter axis.
 double page_value(const Executor& ex, const program::Word& word, std::size_t axis) {
   const auto& a = ex.axes[axis];
-  return static_cast<double>(ex.round_to(ex.nano(word, a.increment), a.increment)) / 1e9 *
+  return static_cast<double>(ex.round_to(ex.axis_value(word, a), a.increment)) / 1e9 *
          (a.rotary ? 1 : ex.unit_mm);
 }
 
@@ -167,6 +167,7 @@ bool data_input(Executor& ex) {
       {13, Series::mill, true, mill_tool},
       {20, Series::both, true,
        [](Executor& e, std::int64_t, std::int64_t p) { return work_extra_offset(e, p); }},
+      {3, Series::both, false, [](Executor& e, std::int64_t, std::int64_t) { return tool_life::input(e); }},
       {50, Series::both, false, [](Executor& e, std::int64_t, std::int64_t) { return pitch_input(e); }},
       {52, Series::both, false, [](Executor& e, std::int64_t, std::int64_t) { return parameter_input(e); }},
   };

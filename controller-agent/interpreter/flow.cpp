@@ -96,6 +96,10 @@ Executor::Step Executor::step() {
     return Step::done;
   }
   if (read.status == program::LexStatus::statement) {
+    if (own && own->statement(*this, read.statement, read.column) == OwnLanguage::Taken::done) {
+      frame.at_start = false;
+      return Step::done;
+    }
     if (dialect.statement == nullptr || !dialect.statement(*this, read.statement, read.column)) {
       alarm(AlarmReason::statement_unavailable, read.column,
             std::string(read.statement.substr(0, read.statement.find_first_of(" [=("))));
@@ -112,6 +116,7 @@ Executor::Step Executor::step() {
   }
   const bool empty = (block.words | block.g_count | block.m_count) == 0;
   if (!empty || block.has_sequence) frame.at_start = false;
+  if (!empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;
   if (cycle.watch != nullptr) {  // a block of a profile
     const bool has_sequence = block.has_sequence;
     const std::uint32_t sequence = block.sequence;
@@ -133,6 +138,7 @@ bool Executor::end_of_text(bool record_end) {
     at = from;
     return alarm(AlarmReason::sequence_not_found, from.column, "N" + wanted);
   }
+  if (own && !own->end_of_text(*this, frame)) return false;
   if (!record_end) at.line = frame.reader->line_number();
   if (!switches.lenient && dialect.end_of_text == dialects::EndOfText::alarm) {
     return alarm(AlarmReason::end_of_record, 0);

@@ -74,6 +74,9 @@ class Interpreter {
   /// asked for.
   void skip_ended(const AxisVector& machine_position, bool triggered);
 
+  /// The tool in use has cut for this long: tool life that counts time. Told by whoever carries out the moves.
+  void tool_cut_for(double seconds);
+
   const ModalSnapshot& modal() const;
   /// Absolute position page for a machine position, under the state in `modal`: programming units, X as
   /// diameter.

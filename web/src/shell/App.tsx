@@ -8,6 +8,7 @@ import { Account } from "../pages/Account";
 import { AlarmHistory } from "../pages/AlarmHistory";
 import { Floor } from "../pages/Floor";
 import { SignIn } from "../pages/SignIn";
+import { Times } from "../pages/times/Times";
 import { Users } from "../pages/Users";
 import { Toasts } from "../ui/parts";
 import { Header, LinkBanner } from "./Header";
@@ -76,6 +77,7 @@ function Frame({ session, onSignOut, onChanged }: {
   else if (page === "machines" && id) content = <MachinePage key={id} id={Number(id)} />;
   else if (page === "programs") content = <Programs program={id ? Number(id) : null} />;
   else if (page === "alarms") content = <AlarmHistory />;
+  else if (page === "times") content = <Times />;
   else if (page === "users" && atLeast(session, "administrator")) content = <Users />;
   else if (page === "account") content = <Account onChanged={onChanged} />;
   else content = <Floor wall={wall} />;
