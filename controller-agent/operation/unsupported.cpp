@@ -11,6 +11,8 @@ constexpr MachineAlarm kWatch{"HS0002", "Spindle speed fluctuation is not superv
                               "本机不监控主轴速度波动"};
 constexpr MachineAlarm kAuxiliary{"HS0002", "Second auxiliary function is not wired on this machine",
                                   "本机没有连接第二辅助功能"};
+constexpr MachineAlarm kTap{"HS0002", "Synchronous tapping is not carried out by this motion control",
+                            "本运动控制不执行同步攻丝"};
 
 constexpr MachineAlarm kPolygon{"HS0002", "Polygon turning: this machine has no driven tool axis",
                                 "本机没有多边形车削的刀具轴"};
@@ -28,6 +30,7 @@ std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation
       polygon != nullptr && polygon->on)
     return kPolygon;
   if (std::holds_alternative<interp::SecondAuxiliary>(operation)) return kAuxiliary;
+  if (std::holds_alternative<interp::Tap>(operation)) return kTap;
   return std::nullopt;
 }
 
