@@ -228,6 +228,11 @@ void JsonLines::append(const interp::Operation& operation, std::string& out) con
             r.value("ratio", op.ratio);
             r.value("width", op.width_rpm);
           }
+        } else if constexpr (std::is_same_v<T, interp::PolygonTurning>) {
+          r.begin("polygon", op.at);
+          r.truth("on", op.on);
+          r.count("p", op.spindle_ratio);
+          r.count("q", op.tool_ratio);
         } else if constexpr (std::is_same_v<T, interp::SecondAuxiliary>) {
           r.begin("aux", op.at);
           r.count("code", op.code);

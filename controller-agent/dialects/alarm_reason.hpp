@@ -110,6 +110,13 @@ enum class AlarmReason : std::uint8_t {
   too_many_axes,           ///< more axes at once than the control interpolates: as illegal_address
   single_direction_axis,   ///< G60
   spindle_number,          ///< P of S or G96.1: as value_range
+  polygon_again,           ///< polygon turning commanded in its own mode: as illegal_g
+  polygon_words,           ///< P or Q missing or out of range: as value_range
+  polygon_alone,           ///< polygon codes stand alone: as stand_alone
+  polygon_axis,            ///< no tool axis set: as illegal_g
+  m_combination,           ///< M codes that must stand alone: as too_many_m
+  position_overflow,       ///< a position beyond what the control can count: as value_range
+  arc_increments,          ///< axes of the plane with different increment systems: as arc_plane
   count_                   // number of reasons
 };
 

@@ -67,6 +67,13 @@ constexpr std::pair<R, R> kFinerReasons[] = {
     {R::too_many_axes, R::illegal_address},
     {R::single_direction_axis, R::illegal_address},
     {R::spindle_number, R::value_range},
+    {R::polygon_again, R::illegal_g},
+    {R::polygon_words, R::value_range},
+    {R::polygon_alone, R::stand_alone},
+    {R::polygon_axis, R::illegal_g},
+    {R::m_combination, R::too_many_m},
+    {R::position_overflow, R::value_range},
+    {R::arc_increments, R::arc_plane},
 };
 
 // "G54.1" → 541.

@@ -132,6 +132,7 @@ struct ThreadRules {
   bool lead_along_path = false;  ///< F is the lead along the cone, not along the long axis
   bool f_is_feed_too = false;  ///< F stays in force for G01 after the thread; otherwise F must be given again
   double q_unit_deg = 0.001;   ///< of the start angle Q
+  std::string_view q_parameter = {};  ///< bit: Q may be given; empty: always
   char change_word = 'K';      ///< G34: lead change a revolution
   double most_lead_mm = 500;
 };

@@ -68,6 +68,8 @@ bool Executor::arc(Turn turn) {
     return alarm(AlarmReason::arc_plane, code_column, std::string{names.first, names.second});
   const auto first = static_cast<std::size_t>(in_plane.first),
              second = static_cast<std::size_t>(in_plane.second);
+  if (axes[first].increment != axes[second].increment && axes[first].rotary == axes[second].rotary)
+    return alarm(AlarmReason::arc_increments, code_column, std::string{axes[first].name, axes[second].name});
   if (transform.spatial || (transform.rotated && (transform.first != first || transform.second != second)))
     return alarm(AlarmReason::rotation_plane, code_column, std::string{names.first, names.second});
   if (one_digit_rapid) return alarm(AlarmReason::arc_in_rapid, code_column, "F0");
@@ -174,20 +176,34 @@ bool Executor::thread(bool variable) {
   if (!(lead_mm > 0) || lead_mm > rules.most_lead_mm)
     return alarm(AlarmReason::thread_lead, lead_column, "F");
 
+  if (block.has('Q') && !rules.q_parameter.empty() && !data.bit(rules.q_parameter))
+    return alarm(AlarmReason::illegal_address, block['Q'].column, "Q");
   const AxisVector from = machine_now;
   std::uint32_t moved = 0;
-  if (!take_targets(moved)) return false;
+  if (!take_targets(moved) || !axes_at_once(moved)) return false;
   if (moved == 0) return true;
-  auto& motion = emit<Thread>();
-  fill_motion(motion, moved);
+  const AxisVector to = targets_mm();
   double path = 0, longest = 0;
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    const double d = std::fabs(machine_now[i] - from[i]);
+    if ((transform.also_moved(moved) >> i & 1u) == 0) continue;
+    const double d = std::fabs(to[i] + modal.work_zero[i] - from[i]);
     path += d * d;
     longest = std::max(longest, d);
   }
-  motion.lead_mm = rules.lead_along_path && path > 0 ? lead_mm * longest / std::sqrt(path) : lead_mm;
-  if (variable && block.has(rules.change_word)) motion.lead_change_mm = length_mm(block[rules.change_word]);
+  const double lead = rules.lead_along_path && path > 0 ? lead_mm * longest / std::sqrt(path) : lead_mm;
+  double change = 0;
+  if (variable && block.has(rules.change_word)) {
+    change = length_mm(block[rules.change_word]);
+    // After the way s the lead is sqrt(lead² + 2 s change): it must stay positive and in range (PS0313).
+    const double last = lead * lead + 2 * longest * change;
+    if (last <= 0 || last > rules.most_lead_mm * rules.most_lead_mm)
+      return alarm(AlarmReason::thread_lead_change, block[rules.change_word].column,
+                   std::string(1, rules.change_word));
+  }
+  auto& motion = emit<Thread>();
+  fill_motion(motion, moved);
+  motion.lead_mm = lead;
+  motion.lead_change_mm = change;
   if (block.has('Q')) motion.start_angle_deg = static_cast<double>(block['Q'].integer()) * rules.q_unit_deg;
   if (!rules.f_is_feed_too && block.has('F')) feed_mm = -1;
   return true;

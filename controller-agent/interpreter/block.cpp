@@ -12,6 +12,12 @@ char lowest_letter(std::uint32_t mask) {
   return static_cast<char>('A' + std::countr_zero(mask));
 }
 
+// G04 G10 G28 G29 G30 G50 (G92) G53.
+constexpr bool refuses_t(std::int16_t tenths) {
+  return tenths == 40 || tenths == 100 || tenths == 280 || tenths == 290 || tenths == 300 || tenths == 500 ||
+         tenths == 920 || tenths == 530;
+}
+
 constexpr std::uint32_t kFeedSpindleTool = letters("FST");
 
 }  // namespace
@@ -21,12 +27,15 @@ bool Executor::execute() {
   if (data_input.line != nullptr && !(block.g_count == 1 && block.g[0].tenths == 110))
     return check_words() && data_input.line(*this);
   if (!check_words() || !take_codes()) return false;
+  if (surface.now.kind != SurfaceKind::none && !surface_allows()) return false;
   if (setting_count != 0 && !run_settings()) return false;
   if ((block.words & kFeedSpindleTool) != 0) {
     if (block.has('F') && !take_feed()) return false;
     if (block.has('S') && !take_spindle()) return false;
     if (block.has('T') && !take_tool()) return false;
   }
+  if (auxiliary_letter != 0 && block.has(auxiliary_letter) && !take_second_auxiliary(auxiliary_letter))
+    return false;
   if (block.m_count != 0 && !run_m_codes(false)) return false;
   if (spindle_changed) emit_spindle();
 
@@ -110,6 +119,9 @@ bool Executor::take_codes() {
     const program::Code& written = block.g[i];
     const GCode* row = table->find(written.tenths);
     if (row == nullptr) return alarm(AlarmReason::illegal_g, written, 'G');
+    for (const Codes& absent : absent_codes) {
+      if (row->tenths >= absent.first && row->tenths <= absent.last) return alarm(AlarmReason::illegal_g, written, 'G');
+    }
     if (row->group != 0) {
       const std::uint32_t bit = 1u << row->group;
       if ((groups & bit) != 0 && dialect.same_group == dialects::Repeated::alarm && !switches.lenient) {
@@ -141,7 +153,8 @@ bool Executor::take_codes() {
       !switches.lenient) {
     return alarm(AlarmReason::g_one_shot_and_motion, action_column, std::string(action->name));
   }
-  if (action != nullptr && block.has('T') && dialect.t_refused_with_actions && !action->cycle) {
+  if (action != nullptr && block.has('T') && dialect.t_refused_with_actions && !action->cycle &&
+      refuses_t(action->tenths)) {
     return alarm(AlarmReason::t_not_allowed, block['T'].column, std::string(action->name));
   }
   if (new_motion != nullptr) motion_code = new_motion;
@@ -164,6 +177,21 @@ bool Executor::run_m_codes(bool after_motion) {
     const std::size_t most = data.bit(dialect.more_m_parameter) ? 3 : dialect.most_m_codes;
     if (block.m_count > most && !switches.lenient) {
       return alarm(AlarmReason::too_many_m, block.m[most], 'M');
+    }
+    if (block.m_count > 1 && most > 1 && dialect.modes.flow_codes_alone && !switches.lenient) {
+      for (std::size_t i = 0; i < block.m_count; ++i) {
+        switch (dialect.m_action(block.m[i].tenths / 10)) {
+          case MAction::program_stop:
+          case MAction::optional_stop:
+          case MAction::end_m02:
+          case MAction::end_m30:
+          case MAction::call:
+          case MAction::return_:
+            return alarm(AlarmReason::m_combination, block.m[i], 'M');
+          default:
+            break;
+        }
+      }
     }
     if (block.m_pointed && !switches.lenient)
       return alarm(AlarmReason::decimal_point, block.m[0].column, "M");

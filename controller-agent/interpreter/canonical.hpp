@@ -64,6 +64,7 @@ struct Motion {
   const char* cycle = nullptr;  ///< "G71" when a canned cycle made the move; static storage
   bool exact_stop = false;      ///< G09/G61: decelerate to zero and check in-position at the end
   CuttingMode cutting_mode = CuttingMode::cutting;
+  bool in_plane = false;  ///< inside the interpreter only: coordinates of G07.1/G12.1, see surface.hpp
 };
 
 /// Bits of `Feed::skip_signals` and `Dwell::skip_signals`: SKIP, SKIP2 … SKIP8, then the torque limit.
@@ -166,6 +167,14 @@ struct SpindleWatch {
   double width_rpm = 0;      ///< I: allowed fluctuation; the wider one counts
 };
 
+/// G51.2/G50.2: polygon turning, the tool axis turns with the spindle.
+struct PolygonTurning {
+  SourcePosition at;
+  bool on = false;
+  std::int32_t spindle_ratio = 1;  ///< P: 1…999
+  std::int32_t tool_ratio = 1;     ///< Q: −999…999, negative: the other way
+};
+
 /// Second auxiliary function (B, or the address the parameters say): goes to the machine as MCode does.
 struct SecondAuxiliary {
   SourcePosition at;
@@ -225,6 +234,6 @@ struct End {
 };
 
 using Operation = std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm,
-                               End, ContourMode, StrokeCheck, SpindleWatch, SecondAuxiliary>;
+                               End, ContourMode, StrokeCheck, SpindleWatch, SecondAuxiliary, PolygonTurning>;
 
 }  // namespace headstock::interp

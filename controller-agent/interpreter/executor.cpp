@@ -33,11 +33,15 @@ Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& mac
 }
 
 void Executor::set_switches(const Switches& wanted) {
-  const bool other_system = table == nullptr || wanted.gcode_system != switches.gcode_system;
+  char wanted_system = wanted.gcode_system;  // A is also "as the parameters say"
+  if (wanted_system == 'A' && data.bit(dialect.modes.system_b_parameter)) wanted_system = 'B';
+  if (wanted_system == 'A' && data.bit(dialect.modes.system_c_parameter)) wanted_system = 'C';
+  const bool other_system = table == nullptr || wanted_system != gcode_system;
+  gcode_system = wanted_system;
   switches = wanted;
-  const std::size_t system = switches.gcode_system == 'C' ? 2 : switches.gcode_system == 'B' ? 1 : 0;
+  const std::size_t system = gcode_system == 'C' ? 2 : gcode_system == 'B' ? 1 : 0;
   const auto& numbers = dialect.numbers;
-  if (other_system) table = &dialect.table(switches.gcode_system);
+  if (other_system) table = &dialect.table(gcode_system);
 
   using dialects::Decimal;
   Decimal decimal = data.bit(numbers.decimal_parameter) ? numbers.decimal_when_set : numbers.decimal;
@@ -75,9 +79,10 @@ void Executor::set_switches(const Switches& wanted) {
 }
 
 // Every group's marked code, then what the parameters choose instead.
-void Executor::power_on() {
+void Executor::power_on(std::uint32_t keep) {
   block.clear();
-  const auto put_in_force = [this](const GCode& row) {
+  const auto put_in_force = [this, keep](const GCode& row) {
+    if ((keep >> row.group & 1u) != 0) return;
     if (row.group != 0) modal.g[row.group] = row.tenths;
     if (row.phase == Phase::motion) motion_code = &row;
     if (row.phase == Phase::setting && row.handler != nullptr) {
@@ -86,11 +91,13 @@ void Executor::power_on() {
     }
   };
   const bool inch = modal.inch;  // the unit survives reset and power-off (0i-D 3)
-  modal.g.fill(-1);
+  for (std::size_t group = 0; group < modal.g.size(); ++group) {
+    if ((keep >> group & 1u) == 0) modal.g[group] = -1;
+  }
   for (const GCode& row : table->rows()) {
     if (row.power_on) put_in_force(row);
   }
-  const std::size_t system = switches.gcode_system == 'C' ? 2 : switches.gcode_system == 'B' ? 1 : 0;
+  const std::size_t system = gcode_system == 'C' ? 2 : gcode_system == 'B' ? 1 : 0;
   for (const auto& chosen : dialect.power_on_switches) {
     const GCode* row = data.bit(chosen.parameter) ? table->find(chosen.tenths[system]) : nullptr;
     if (row != nullptr) put_in_force(*row);
@@ -101,6 +108,9 @@ void Executor::power_on() {
 }
 
 void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& machine_position) {
+  leave_surface();
+  surface = {};
+  surface_path = {};
   frames.clear();
   Frame frame;
   frame.reader = std::make_unique<program::BlockReader>(std::move(main), dialect.longest_block);
@@ -154,7 +164,7 @@ void Executor::reset(const AxisVector& machine_position) {
   queue_head = 0;
   cycle.clear();
   finished = true;
-  if (dialect.reset_clears || data.bit(dialect.reset_clears_parameter)) power_on();
+  clear_modes();
   spindle_direction = SpindleDirection::stop;
   tool_life::leave(*this);
   if (own) own->reset(*this);
@@ -162,7 +172,8 @@ void Executor::reset(const AxisVector& machine_position) {
 }
 
 void Executor::set_position(const AxisVector& machine_position) {
-  for (std::size_t i = 0; i < axes.size(); ++i) set_axis_machine(i, machine_position[i]);
+  const AxisVector place = place_in_plane(machine_position);
+  for (std::size_t i = 0; i < axes.size(); ++i) set_axis_machine(i, place[i]);
 }
 
 AxisVector Executor::to_work(const AxisVector& machine_position, const ModalSnapshot& under) const {

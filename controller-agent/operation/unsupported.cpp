@@ -14,6 +14,9 @@ constexpr MachineAlarm kWatch{"HS0002", "Spindle speed fluctuation is not superv
 constexpr MachineAlarm kAuxiliary{"HS0002", "Second auxiliary function is not wired on this machine",
                                   "本机没有连接第二辅助功能"};
 
+constexpr MachineAlarm kPolygon{"HS0002", "Polygon turning: this machine has no driven tool axis",
+                                "本机没有多边形车削的刀具轴"};
+
 }  // namespace
 
 std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation) {
@@ -24,6 +27,9 @@ std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation
     return kStroke;
   if (const auto* watch = std::get_if<interp::SpindleWatch>(&operation); watch != nullptr && watch->on)
     return kWatch;
+  if (const auto* polygon = std::get_if<interp::PolygonTurning>(&operation);
+      polygon != nullptr && polygon->on)
+    return kPolygon;
   if (std::holds_alternative<interp::SecondAuxiliary>(operation)) return kAuxiliary;
   return std::nullopt;
 }

@@ -124,6 +124,11 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
           seen.values["reached"] = op.reached_ratio;
           seen.values["ratio"] = op.ratio;
           seen.values["rpm"] = op.width_rpm;
+        } else if constexpr (std::is_same_v<T, interp::PolygonTurning>) {
+          seen.op = "polygon";
+          seen.word = op.on ? "on" : "off";
+          seen.values["p"] = op.spindle_ratio;
+          seen.values["q"] = op.tool_ratio;
         } else if constexpr (std::is_same_v<T, interp::SecondAuxiliary>) {
           seen.op = "aux";
           seen.values["code"] = static_cast<double>(op.code);
