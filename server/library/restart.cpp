@@ -93,7 +93,7 @@ Text look_at(const std::string& file, std::int64_t wanted) {
 /// Codes that one word brings back, those that mean that nothing is on, and all others: refused.
 constexpr std::array<int, 22> kBroughtBack = {170, 180, 190, 200, 210, 540, 550, 560, 570, 580, 590,
                                               610, 640, 940, 950, 960, 970, 980, 990, 900, 910, 541};
-constexpr std::array<int, 15> kNothingOn = {131, 150, 230, 260, 400, 490, 500, 501,
+constexpr std::array<int, 16> kNothingOn = {131, 150, 230, 260, 400, 401, 490, 500, 501,
                                             505, 670, 690, 800, 220, 250, 251};
 
 template <std::size_t N>
