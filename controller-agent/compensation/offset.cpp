@@ -10,6 +10,7 @@ constexpr double kStraightOn = 1e-7;  // rad
 constexpr double kNearlyTangent =
     2 * kDegree;  // end points are rounded: offset paths may just miss each other
 constexpr double kAgainst_mm = 1e-6;
+constexpr double kLonger_mm = 0.01;
 
 struct Turn {
   double angle;      // from the end of one to the start of the other, + to the left
@@ -172,7 +173,11 @@ Between check(const Segment& block, Point start, Point end) {
   if (length(e - s) < kAgainst_mm && block.sweep < std::numbers::pi) return Between::good;
   double sweep = swept(s, e, block.center, block.turn);
   if (sweep < 1e-9 && block.sweep > std::numbers::pi) sweep = 2 * std::numbers::pi;
-  return std::fabs(sweep - block.sweep) > std::numbers::pi ? Between::reversed : Between::good;
+  if (std::fabs(sweep - block.sweep) > std::numbers::pi) return Between::reversed;
+  // Corners only ever shorten an arc. One that became longer by more than rounding runs into its neighbours:
+  // the controllers' half-turn rule alone would let small inside arcs do that.
+  const double longer_mm = (sweep - block.sweep) * length(s - block.center);
+  return longer_mm > kLonger_mm ? Between::reversed : Between::good;
 }
 
 Between settle(const Segment& block, Vectors& start, Vectors& end, bool& straight) {
