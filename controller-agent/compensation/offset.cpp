@@ -45,6 +45,26 @@ bool inside_vector(const Segment& a, const Segment& b, double r, Point& out) {
   return true;
 }
 
+// Whether the straight way from one point to another leaves the whole block uncut.
+bool clears(const Segment& block, Point from, Point to, double r) {
+  constexpr int kParts = 16;
+  const Point way = to - from;
+  const double whole = dot(way, way);
+  for (int i = 0; i <= kParts; ++i) {
+    const double part = static_cast<double>(i) / kParts;
+    Point at = block.from + (block.to - block.from) * part;
+    if (block.arc) {
+      const Point arm = block.from - block.center;
+      const double by = block.turn * block.sweep * part;
+      at = block.center +
+           Point{arm.u * std::cos(by) - arm.v * std::sin(by), arm.u * std::sin(by) + arm.v * std::cos(by)};
+    }
+    const double near = whole > 0 ? std::fmax(0.0, std::fmin(1.0, dot(at - from, way) / whole)) : 0;
+    if (length(from + way * near - at) < r - kLonger_mm) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Point normal_at_end(const Segment& segment, double r) {
@@ -180,7 +200,7 @@ Between check(const Segment& block, Point start, Point end) {
   return longer_mm > kLonger_mm ? Between::reversed : Between::good;
 }
 
-Between settle(const Segment& block, Vectors& start, Vectors& end, bool& straight) {
+Between settle(const Segment& block, Vectors& start, Vectors& end, double r, bool& straight) {
   straight = false;
   if (check(block, start.last(), end.first()) == Between::good) return Between::good;
   Vectors s = start, e = end;
@@ -192,6 +212,7 @@ Between settle(const Segment& block, Vectors& start, Vectors& end, bool& straigh
     }
     const Segment way = line(block.from, block.to);
     if (check(block.arc ? way : block, s.last(), e.first()) != Between::good) continue;
+    if (!clears(block, block.from + s.last(), block.to + e.first(), std::fabs(r))) continue;
     s.circular = s.circular && s.count > 1;
     e.circular = false;
     start = s;
