@@ -221,7 +221,7 @@ bool Pipeline::close_last(Executor& ex, Vectors end) {
                        (rules.check_parameter.empty() || ex.data.parameter(rules.check_parameter, 1) != 0);
   if (checked) {
     bool straight = false;
-    if (comp::settle(last_.path, corner_, end, straight) == comp::Between::reversed) {
+    if (comp::settle(last_.path, corner_, end, last_.mode.radius, straight) == comp::Between::reversed) {
       raise(ex, AlarmReason::compensation_interference, motion_of(last_.op)->at, 0, {});
       return false;
     }
