@@ -15,6 +15,8 @@ int main(int argc, char** argv) {
   headstock::offline::add_check(app, context.status);
   headstock::offline::add_profile(app, context.status);
   headstock::offline::add_simulate(app, context.status);
+  headstock::offline::add_convert_tape(app, context.status);
+  headstock::offline::add_dnc(app, context.status);
   headstock::client::add_client(app, context);
   app.footer("Exit status of the client's commands: 0 done, 1 usage or a local file, 2 refused by server or machine,\n"
              "3 server not reachable, 4 not signed in. The offline tools: 0 done, 1 usage or a file, 2 an alarm.");

@@ -14,5 +14,9 @@ void add_interpret(CLI::App& app, int& exit_status);
 void add_check(CLI::App& app, int& exit_status);
 /// `headstock profile`: what a controller's catalogue holds, and which codes are carried out.
 void add_profile(CLI::App& app, int& exit_status);
+/// `headstock convert-tape`: ISO, EIA and ASCII tape codes.
+void add_convert_tape(CLI::App& app, int& exit_status);
+/// `headstock dnc send|receive|test`: a serial line of this computer.
+void add_dnc(CLI::App& app, int& exit_status);
 
 }  // namespace headstock::offline

@@ -56,6 +56,18 @@ enum class AlarmReason : std::uint8_t {
   data_input,   ///< G10 form
   data_value,   ///< G10 value
   dwell_words,  ///< P and X together
+  // ---- tool life
+  life_format,           ///< G10 L3: a word that may not be there: as data_input
+  life_group_number,     ///< above the most: as data_input
+  life_group_missing,    ///< not registered: as offset_number
+  life_too_many_tools,   ///< in a group: as data_input
+  life_no_t,             ///< T missing: as data_input
+  life_not_in_use,       ///< H99 or D99 without a tool of a group: as offset_number
+  life_wrong_t,          ///< not the group in use: as offset_number
+  life_no_p_l,           ///< P or L missing: as data_input
+  life_too_many_groups,  ///< as data_input
+  life_value,            ///< life 0 or too large: as data_value
+  life_data,             ///< a group without tools: as offset_number
   // ---- calls
   call_without_p,
   program_not_found,

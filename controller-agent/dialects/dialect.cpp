@@ -23,6 +23,17 @@ using R = AlarmReason;
 
 // Reasons that only some controls print a number of their own for, and whose number the others print.
 constexpr std::pair<R, R> kFinerReasons[] = {
+    {AlarmReason::life_format, AlarmReason::data_input},
+    {AlarmReason::life_group_number, AlarmReason::data_input},
+    {AlarmReason::life_group_missing, AlarmReason::offset_number},
+    {AlarmReason::life_too_many_tools, AlarmReason::data_input},
+    {AlarmReason::life_no_t, AlarmReason::data_input},
+    {AlarmReason::life_not_in_use, AlarmReason::offset_number},
+    {AlarmReason::life_wrong_t, AlarmReason::offset_number},
+    {AlarmReason::life_no_p_l, AlarmReason::data_input},
+    {AlarmReason::life_too_many_groups, AlarmReason::data_input},
+    {AlarmReason::life_value, AlarmReason::data_value},
+    {AlarmReason::life_data, AlarmReason::offset_number},
     {R::g_not_now, R::illegal_g},
     {R::scale_value, R::value_range},
     {R::scaling_code, R::illegal_g},
@@ -126,7 +137,8 @@ void set_alarm_codes(Dialect& dialect, std::string_view otherwise,
   dialect.alarm_codes[static_cast<std::size_t>(AlarmReason::endless_loop)] = "HS0001";  // ours: see README
   for (const auto& [reason, code] : codes) dialect.alarm_codes[static_cast<std::size_t>(reason)] = code;
   const auto given = [&codes](AlarmReason reason) {
-    return std::any_of(codes.begin(), codes.end(), [reason](const auto& code) { return code.first == reason; });
+    return std::any_of(codes.begin(), codes.end(),
+                       [reason](const auto& code) { return code.first == reason; });
   };
   for (const auto& [fine, coarse] : kFinerReasons) {
     if (!given(fine)) dialect.set_alarm_code(fine, dialect.alarm_code(coarse));

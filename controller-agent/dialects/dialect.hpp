@@ -11,6 +11,7 @@
 
 #include "dialects/alarm_reason.hpp"
 #include "dialects/mode_rules.hpp"
+#include "dialects/tool_life_rules.hpp"
 #include "interpreter/own_language.hpp"
 #include "machine/machine.hpp"
 
@@ -172,6 +173,7 @@ struct Dialect {
   CallRules calls;
   ToolRules tools;
   ModeRules modes;
+  ToolLifeRules life;
   Repeated repeated_words = Repeated::last_wins;
   std::string_view repeated_alarm_parameter;  ///< bit: alarm after all
   std::uint32_t may_repeat = 0;               ///< letters that may repeat in spite of `alarm`

@@ -33,9 +33,14 @@ struct ModeRules {
   std::string_view diameter_parameter, rotary_parameter;
   std::string_view roll_over_parameter, roll_over_by_sign_parameter, turn_parameter;
 
+  /// Places of the 2nd, 3rd and 4th reference point, one value an axis; empty: there is no such point.
+  std::array<std::string_view, 3> reference_parameters = {"1241", "1242", "1243"};
+
   // ---- scaling and rotation
   std::string_view scale_unit_parameter;            ///< bit: magnifications count in 0.001 instead of 0.00001
   std::string_view scale_each_parameter;            ///< bit: I J K, one for each axis
+  bool scale_in_thousandths = false;                ///< magnifications always count in 0.001
+  bool scale_by_words = false;                      ///< I J K, one for each axis, when one of them is written
   std::string_view scale_parameter;                 ///< magnification when P is left out
   std::string_view scale_axis_parameter;            ///< …, one for each axis
   std::string_view rotation_parameter;              ///< angle when R is left out [0.001°]

@@ -68,7 +68,7 @@ bool Executor::arc(Turn turn) {
     return alarm(AlarmReason::arc_plane, code_column, std::string{names.first, names.second});
   const auto first = static_cast<std::size_t>(in_plane.first),
              second = static_cast<std::size_t>(in_plane.second);
-  if (transform.rotated && (transform.first != first || transform.second != second))
+  if (transform.spatial || (transform.rotated && (transform.first != first || transform.second != second)))
     return alarm(AlarmReason::rotation_plane, code_column, std::string{names.first, names.second});
   if (one_digit_rapid) return alarm(AlarmReason::arc_in_rapid, code_column, "F0");
 

@@ -17,6 +17,7 @@ constexpr std::uint32_t kFeedSpindleTool = letters("FST");
 }  // namespace
 
 bool Executor::execute() {
+  ++at.block;
   if (macros != nullptr) {
     motions_before = motions;
     move_calls = !frames.back().macro.modal_calls.empty();
@@ -222,6 +223,7 @@ bool Executor::run_m_codes(bool after_motion) {
         continue;  // program flow, not sent to the machine
     }
     if (is_after != after_motion) continue;
+    if (!tool_life::take_m(*this, number, block.m[i].column)) return false;
     if (spindle_changed) emit_spindle();
     auto& sent = emit<MCode>();
     sent.at = at;
@@ -251,6 +253,7 @@ bool Executor::run_program_flow() {
       case MAction::end_m30: {
         const bool m30 = dialect.m_action(block.m[i].tenths / 10) == MAction::end_m30;
         const bool counts = (m30 || dialect.m02_counts_part) && !data.bit(dialect.no_count_parameter);
+        tool_life::end_run(*this);
         return finish(m30 ? EndReason::m30 : EndReason::m02, counts);
       }
       case MAction::call: {
@@ -281,6 +284,12 @@ bool Executor::run_program_flow() {
           break;
         }
         if (frames.size() > 1) return return_from_sub(sequence, column);
+        const bool stops = tool_life::stops_at_m99(*this);
+        if (stops) {
+          auto& stop = emit<Stop>();
+          stop.at = at;
+          stop.modal = modal;
+        }
         if (sequence >= 0) return jump_to_sequence(sequence, column);
         return finish(EndReason::m99_main, dialect.m99_main_counts_part);
       }

@@ -20,6 +20,7 @@ struct SourcePosition {
   std::uint32_t line = 0;         ///< 1-based line of that program's source
   std::uint32_t column = 0;       ///< 1-based column (bytes); 0 when the whole block is meant
   std::uint32_t sequence = 0;     ///< last N number passed
+  std::uint32_t block = 0;        ///< blocks begun in this run, macro statements not counted: 1 is the first
   std::uint64_t byte_offset = 0;  ///< of the block's first byte, for resuming a drip-feed
 };
 
@@ -69,6 +70,8 @@ struct Motion {
 
 /// Bits of `Feed::skip_signals` and `Dwell::skip_signals`: SKIP, SKIP2 … SKIP8, then the torque limit.
 inline constexpr std::uint16_t kSkipTorque = 1u << 8;
+/// … and an input port named by number (`Feed::skip_input`).
+inline constexpr std::uint16_t kSkipInput = 1u << 9;
 
 /// G00: every axis at its own rapid rate, on a straight line or not as the controller's parameter says.
 struct Rapid : Motion {
@@ -81,9 +84,12 @@ struct Rapid : Motion {
 struct Feed : Motion {
   double feed = 0;  ///< mm/min, mm/rev, or 1/min by `unit`; already metric
   FeedUnit unit = FeedUnit::mm_per_minute;
-  /// G31: any of these signals ends the move where the axes are. Whoever carries it out lets the move end, tells
-  /// the interpreter by `skip_ended` where and why, and only then asks for the next operation. 0: no skip.
+  /// G31: any of these signals ends the move where the axes are. Whoever carries it out lets the move end,
+  /// tells the interpreter by `skip_ended` where and why, and only then asks for the next operation. 0: no
+  /// skip.
   std::uint16_t skip_signals = 0;
+  std::int16_t skip_input = 0;    ///< with kSkipInput: the port (200T G31 L, K)
+  bool skip_level = true;         ///< its level that ends the move; true: active
   bool skip_overridable = false;  ///< override, dry run and acceleration apply to a skip move (0i-D SKF)
 };
 
@@ -128,18 +134,19 @@ struct Spindle {
   SpindleDirection direction = SpindleDirection::stop;
   double speed = 0;  ///< rpm, or surface speed in m/min
   bool constant_surface_speed = false;
-  double clamp_rpm = 0;  ///< 0: none
+  double clamp_rpm = 0;                   ///< 0: none
   std::uint8_t surface_axis = kSurfaceX;  ///< index of the axis whose work coordinate is the radius under G96
   static constexpr std::uint8_t kSurfaceX = 0xff;  ///< the X axis
-  std::uint8_t gear = 0;  ///< selected by the control from S (M-type gear shift): 1…4; 0: the machine's affair
+  std::uint8_t gear =
+      0;  ///< selected by the control from S (M-type gear shift): 1…4; 0: the machine's affair
 };
 
 /// G08 P, G05.1 Q: look-ahead ("AI contour") control on or off.
 struct ContourMode {
   SourcePosition at;
   bool on = false;
-  std::int32_t level = 0;       ///< R: 1 fast … 10 precise; 0: not given
-  double reference_feed = 0;    ///< F: feed the bell-shaped acceleration is tuned to [mm/min]; 0: not given
+  std::int32_t level = 0;     ///< R: 1 fast … 10 precise; 0: not given
+  double reference_feed = 0;  ///< F: feed the bell-shaped acceleration is tuned to [mm/min]; 0: not given
 };
 
 /// G22/G23: stored stroke check 2 on or off. The corners are in the parameters too.
@@ -147,8 +154,8 @@ struct StrokeCheck {
   SourcePosition at;
   bool on = false;
   bool outside_forbidden = false;
-  std::uint32_t axes = 0;            ///< axes that have limits
-  AxisVector most{}, least{};        ///< slide positions in machine coordinates [mm, degrees]
+  std::uint32_t axes = 0;      ///< axes that have limits
+  AxisVector most{}, least{};  ///< slide positions in machine coordinates [mm, degrees]
 };
 
 /// G25/G26: supervision of the spindle's speed.
@@ -183,11 +190,11 @@ struct MCode {
   bool after_motion = false;
   // M codes that drive output ports and wait for input ports (200T, K2000TC). The program does not wait for
   // a delay or a position.
-  double delay_s = 0;          ///< carried out so long after it is given (M26.150)
-  std::int8_t at_axis = -1;    ///< ≥ 0: carried out when this axis passes `at_position` (M1026.150)
-  double at_position = 0;      ///< absolute position page, programming units
-  std::int16_t input = 0;      ///< ≥ 1: finished when this input port has the level wanted (M01 L)
-  bool input_level = true;     ///< true: active
+  double delay_s = 0;        ///< carried out so long after it is given (M26.150)
+  std::int8_t at_axis = -1;  ///< ≥ 0: carried out when this axis passes `at_position` (M1026.150)
+  double at_position = 0;    ///< absolute position page, programming units
+  std::int16_t input = 0;    ///< ≥ 1: finished when this input port has the level wanted (M01 L)
+  bool input_level = true;   ///< true: active
 };
 
 enum class MessageKind : std::uint8_t {
@@ -227,8 +234,7 @@ struct End {
   bool counts_part = false;
 };
 
-using Operation =
-    std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm, End, ContourMode,
-                 StrokeCheck, SpindleWatch, SecondAuxiliary>;
+using Operation = std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm,
+                               End, ContourMode, StrokeCheck, SpindleWatch, SecondAuxiliary>;
 
 }  // namespace headstock::interp

@@ -167,6 +167,7 @@ bool data_input(Executor& ex) {
       {13, Series::mill, true, mill_tool},
       {20, Series::both, true,
        [](Executor& e, std::int64_t, std::int64_t p) { return work_extra_offset(e, p); }},
+      {3, Series::both, false, [](Executor& e, std::int64_t, std::int64_t) { return tool_life::input(e); }},
       {50, Series::both, false, [](Executor& e, std::int64_t, std::int64_t) { return pitch_input(e); }},
       {52, Series::both, false, [](Executor& e, std::int64_t, std::int64_t) { return parameter_input(e); }},
   };

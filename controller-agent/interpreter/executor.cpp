@@ -128,7 +128,9 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   cycle.clear();
   finished = false;
   jumps = idle_jumps = 0;
+  restarting = false;
   at = {};
+  tool_life::begin_run(*this);
   data_input = {};
   take_parameters();
   if (own) own->start(*this);
@@ -226,6 +228,7 @@ void Executor::reset(const AxisVector& machine_position) {
   }
   if (dialect.reset_clears || data.bit(dialect.reset_clears_parameter)) power_on();
   spindle_direction = SpindleDirection::stop;
+  tool_life::leave(*this);
   if (own) own->reset(*this);
   set_position(machine_position);
 }
@@ -278,7 +281,7 @@ bool Executor::alarm(AlarmReason reason, const program::Code& wrong, char letter
 
 void Executor::report_change(std::string what, double before, double after) {
   ++data.version;
-  if (changed) changed({std::move(what), before, after});
+  if (changed && !restarting) changed({std::move(what), before, after});
 }
 
 }  // namespace headstock::interp

@@ -24,7 +24,9 @@
 #include "interpreter/macro_state.hpp"
 #include "interpreter/own_language.hpp"
 #include "interpreter/polar_command.hpp"
+#include "interpreter/restart.hpp"
 #include "interpreter/skip.hpp"
+#include "interpreter/tool_life.hpp"
 #include "interpreter/transform.hpp"
 #include "machine/machine.hpp"
 #include "program/block.hpp"
@@ -44,7 +46,9 @@ using program::letter_bit;
 struct ProgramAxis {
   char name = 'X';
   bool rotary = false;
-  double diameter = 1;     ///< programmed value × diameter = slide value: 0.5 on a diameter axis
+  double diameter = 1;  ///< programmed value × diameter = slide value: 0.5 on a diameter axis
+  double page_diameter =
+      0;  ///< the same for the offset pages where a program changed `diameter`; 0: as `diameter`
   double mm_per_unit = 1;  ///< programming unit × diameter → slide mm (changes with G20/G21)
   std::int64_t increment =
       program::kNano / 1000;  ///< least input increment in nano units (changes with G20/G21)
@@ -55,9 +59,12 @@ struct ProgramAxis {
   bool has_intermediate = false;
   double start_point = 0;  ///< machine coordinate of the last coordinate setting (start point of 200T)
   bool has_start_point = false;
-  bool rolls_over = false;   ///< rotary: absolute positions count within one turn; `position` itself runs on
-  bool by_sign = false;      ///< …: the sign of an absolute command is the direction; otherwise the shorter way
-  std::int64_t turn = 0;     ///< one turn, nano degrees
+  bool rolls_over = false;  ///< rotary: absolute positions count within one turn; `position` itself runs on
+  bool as_written =
+      false;  ///< …: an absolute command counts from the place within the turn, any number of turns
+  bool centered = false;  ///< …: the page shows −180 … 180
+  bool by_sign = false;  ///< …: the sign of an absolute command is the direction; otherwise the shorter way
+  std::int64_t turn = 0;  ///< one turn, nano degrees
 };
 
 /// A program on the call stack.
@@ -84,6 +91,13 @@ struct Executor {
   void power_on();
   void start(std::unique_ptr<program::Source> main, const AxisVector& machine_position);
   Pull next(Operation& out);
+  // restart.cpp
+  Pull restart(std::unique_ptr<program::Source> main, const AxisVector& machine_position,
+               const RestartPoint& point);
+  Pull run_through();
+  bool restart_reached(bool has_sequence, std::uint32_t sequence, bool counted);
+  void keep_data_of_broken_run();
+  void sample(const Operation& passed);
   void reset(const AxisVector& machine_position);
   void set_position(const AxisVector& machine_position);
   AxisVector to_work(const AxisVector& machine_position, const ModalSnapshot& under) const;
@@ -184,7 +198,10 @@ struct Executor {
   double to_machine(std::size_t axis, std::int64_t position) const;
   void set_axis_machine(std::size_t axis, double machine_position);
   double shown(std::size_t axis) const;  ///< absolute position page, programming units
-  double page_to_slide(std::size_t axis, double page_mm) const { return page_mm * axes[axis].diameter; }
+  double page_to_slide(std::size_t axis, double page_mm) const {
+    const ProgramAxis& a = axes[axis];
+    return page_mm * (a.page_diameter != 0 ? a.page_diameter : a.diameter);
+  }
   /// Takes the block's axis words as targets into `axes[].position`. @return false after an alarm; `moved`
   /// gets the axes.
   bool take_targets(std::uint32_t& moved);
@@ -199,7 +216,8 @@ struct Executor {
   bool cutting_feed(double path_mm, double& value, FeedUnit& unit);
   bool arc(Turn turn);
   bool only_helix_axes(std::uint32_t moved, std::size_t first, std::size_t second);
-  /// Where the block's targets lie, slide mm relative to the work zero point: positions, mirrored, scaled, rotated.
+  /// Where the block's targets lie, slide mm relative to the work zero point: positions, mirrored, scaled,
+  /// rotated.
   AxisVector targets_mm() const;
   /// Length of the straight way there [mm, degrees as mm].
   double path_to_targets(const AxisVector& from_machine, std::uint32_t moved) const;
@@ -232,6 +250,8 @@ struct Executor {
   bool take_one_digit_feed(int digit);
   bool take_spindle();
   bool take_tool();
+  int offset_digits() const;            ///< of the T word
+  std::int64_t offset_split() const;  ///< the offset number is the T word modulo this
   void emit_spindle();
   bool apply_tool_offset(std::int64_t geometry, std::int64_t wear, std::uint32_t column);
 
@@ -292,15 +312,18 @@ struct Executor {
   std::size_t work_index = 0;  ///< of G54…G59, or of G54.1 P
   Plane plane = Plane::xy;
   PlaneIndex plane_index;
+  bool roles_given = false;                         ///< G54.9: `given_roles` says which axes are Xp, Yp, Zp
+  std::array<std::int8_t, kMaxAxes> given_roles{};  ///< 1 2 3; 0: none of them
   CuttingMode cutting_mode = CuttingMode::cutting;  ///< G61…G64
   Transform transform;
   PolarCommand polar;
   SkipState skip;
   DataInputMode data_input;
+  ToolLife life;
   bool any_rolls_over = false;
   bool one_digit_rapid = false;  ///< F0 of one-digit feed: cutting moves run at the rapid rate
   AxisVector increment_limit{};  ///< G91.1, programming units; 0: none
-  double unit_mm = 1;  ///< mm of a programming unit
+  double unit_mm = 1;            ///< mm of a programming unit
   std::int64_t linear_increment = program::kNano / 1000;
   double feed_mm = -1;  ///< mm/min or mm/rev; < 0: never commanded
   double lead_mm = 0;   ///< last thread lead; 0: none
@@ -335,6 +358,7 @@ struct Executor {
   bool at_standstill = true;         ///< nothing was handed out since everything was carried out
   bool awaits_standstill = false;    ///< told the caller so
   bool barrier = false;
+  RestartRun restart_run;
   bool restarting = false;  ///< running through to where a restart begins
   bool move_calls = false;  ///< G66 was in force when this block began
   std::vector<std::unique_ptr<program::BlockReader>> spare_readers;

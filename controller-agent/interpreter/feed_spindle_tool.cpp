@@ -94,10 +94,20 @@ void Executor::emit_spindle() {
   spindle_changed = false;
 }
 
+int Executor::offset_digits() const {
+  const int digits =
+      static_cast<int>(data.parameter(dialect.tools.offset_digits_parameter, dialect.tools.offset_digits));
+  return digits < 1 || digits > 3 ? dialect.tools.offset_digits : digits;
+}
+
+std::int64_t Executor::offset_split() const {
+  return program::kPowerOfTen[static_cast<std::size_t>(offset_digits())];
+}
+
 bool Executor::take_tool() {
   const program::Word& word = block['T'];
-  const std::int64_t value = whole('T', AlarmReason::offset_number);
-  if (value < 0) return false;
+  std::int64_t value = whole('T', AlarmReason::offset_number);
+  if (value < 0 || !tool_life::take_t(*this, value, word.column)) return false;
   if (!dialect.tools.lathe) {
     auto& tool = emit<Tool>();
     tool.at = at;
@@ -105,11 +115,8 @@ bool Executor::take_tool() {
     modal.tool = tool.tool;
     return true;
   }
-  int digits =
-      static_cast<int>(data.parameter(dialect.tools.offset_digits_parameter, dialect.tools.offset_digits));
-  if (digits < 1 || digits > 3) digits = dialect.tools.offset_digits;
-  const std::int64_t split = program::kPowerOfTen[static_cast<std::size_t>(digits)];
-  const bool both = dialect.tools.short_form && word.digit_count <= digits;
+  const std::int64_t split = offset_split();
+  const bool both = dialect.tools.short_form && word.digit_count <= offset_digits();
   const std::int64_t number = both ? value : value / split;
   const std::int64_t wear = value % split;
   const bool by_tool = data.bit(dialect.tools.geometry_by_tool_parameter);

@@ -127,7 +127,7 @@ Executor::Step Executor::step() {
       frame.rest += within;
     }
   }
-  // A language of its own finds its own labels.
+  // A language of its own may have labels of its own.
   return frame.wanted_sequence >= 0 && own == nullptr ? search_block() : read_block();
 }
 
@@ -141,6 +141,7 @@ Executor::Step Executor::read_block() {
   at.column = 0;
   at.byte_offset = place.offset();
   if (own && own->take_text(*this, frame) == OwnLanguage::Taken::done) return Step::done;
+  if (frame.wanted_sequence >= 0) return search_block();
   line_end = frame.line.text.data() + frame.line.text.size();
 
   if (frame.macro.code != nullptr && !frame.macro.code->empty()) {
@@ -178,6 +179,10 @@ Executor::Step Executor::read_block() {
   }
   const bool statement = read.status == program::LexStatus::statement;
   if (statement && (macros == nullptr || !macros->rules.statements)) {
+    if (own && own->statement(*this, read.statement, read.column) == OwnLanguage::Taken::done) {
+      frame.at_start = false;
+      return Step::done;
+    }
     if (dialect.statement == nullptr || !dialect.statement(*this, read.statement, read.column)) {
       alarm(AlarmReason::statement_unavailable, read.column,
             std::string(read.statement.substr(0, read.statement.find_first_of(" [=("))));
@@ -198,8 +203,13 @@ Executor::Step Executor::read_block() {
     if (frame.at_start) frame.number = at.program = block.number;
   }
   const bool empty = (block.words | block.g_count | block.m_count) == 0;
+  if (restarting && restart_reached(block.has_sequence, block.sequence, !empty)) {
+    frame.rest = line_begin + place.within;  // read again by the next pull
+    return Step::done;
+  }
   if (!empty || block.has_sequence) frame.at_start = false;
   frame.macro.last = nullptr;
+  if (!empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;
   run_block(empty, block.has_sequence, block.sequence);
   return Step::done;
 }
@@ -263,6 +273,7 @@ bool Executor::end_of_text(bool record_end) {
     at = frame.wanted_by;
     return alarm(frame.not_found, at.column, "N" + wanted);
   }
+  if (own && !own->end_of_text(*this, frame)) return false;
   if (!record_end) at.line = frame.reader->line_number();
   if (!switches.lenient && dialect.end_of_text == dialects::EndOfText::alarm) {
     return alarm(AlarmReason::end_of_record, 0);
@@ -311,6 +322,7 @@ bool Executor::begin_search(std::int64_t sequence, std::uint32_t column, AlarmRe
   if (own != nullptr) {
     frame.macro.search_turned = frame.macro.displaced = true;
     frame.macro.place = {};
+    frame.macro.search_from = {{UINT64_MAX / 2, 1, false, false}, 0};  // all of it
     frame.at_start = true;
   } else if (frame.macro.displaced) {
     frame.macro.search_from = frame.macro.place;

@@ -99,7 +99,7 @@ bool length_offset(Executor& ex) {
   ex.length_sign = tenths == 430 ? 1 : tenths == 440 ? -1 : 0;
   if (ex.block.has('H')) {
     ex.length_offset = ex.whole('H', AlarmReason::offset_number);
-    if (ex.length_offset < 0) return false;
+    if (ex.length_offset < 0 || !tool_life::take_offset(ex, 'H', ex.length_offset, ex.block['H'].column)) return false;
     if (ex.length_offset > static_cast<std::int64_t>(ex.dialect.tools.most_offsets)) {
       return ex.alarm(AlarmReason::offset_number, ex.block['H'].column, "H");
     }
@@ -120,6 +120,13 @@ bool length_offset(Executor& ex) {
   ex.pending_axes |= 1u << *z;
   ex.modal.offset = static_cast<std::int32_t>(ex.length_sign == 0 ? 0 : ex.length_offset);
   return true;
+}
+
+// G10 on a control that has nothing but tool life to put in.
+bool tool_life_input(Executor& ex) {
+  const std::int64_t l = ex.block.has('L') ? ex.whole('L', AlarmReason::data_input) : 0;
+  if (l < 0) return false;
+  return l == 3 ? tool_life::input(ex) : ex.alarm(AlarmReason::g_unavailable, ex.code_column, "G10");
 }
 
 constexpr Named kHandlers[] = {
@@ -151,6 +158,7 @@ constexpr Named kHandlers[] = {
     {"exact_stop", Phase::modifier, nullptr},
     {"dwell", Phase::action, dwell},
     {"data_input", Phase::action, data_input},
+    {"tool_life_input", Phase::action, tool_life_input},
     {"data_input_end", Phase::action, data_input_end},
     {"skip", Phase::action, skip},
     {"mirror_on", Phase::action, mirror_on},

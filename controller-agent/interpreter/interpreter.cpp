@@ -34,6 +34,16 @@ std::uint32_t Interpreter::macro_control() const {
 void Interpreter::start(std::unique_ptr<program::Source> main, const AxisVector& machine_position) {
   executor_->start(std::move(main), machine_position);
 }
+Pull Interpreter::restart(std::unique_ptr<program::Source> main, const AxisVector& machine_position,
+                          const RestartPoint& point) {
+  return executor_->restart(std::move(main), machine_position, point);
+}
+Pull Interpreter::run_through() {
+  return executor_->run_through();
+}
+const RestartState& Interpreter::restart_state() const {
+  return executor_->restart_run.state;
+}
 Pull Interpreter::next(Operation& out) {
   return executor_->next(out);
 }
@@ -45,6 +55,9 @@ void Interpreter::set_position(const AxisVector& machine_position) {
 }
 void Interpreter::skip_ended(const AxisVector& machine_position, bool triggered) {
   executor_->skip_ended(machine_position, triggered);
+}
+void Interpreter::tool_cut_for(double seconds) {
+  tool_life::cut_for(*executor_, seconds);
 }
 const ModalSnapshot& Interpreter::modal() const {
   return executor_->modal;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "interpreter/canonical.hpp"
 #include "interpreter/machine_data.hpp"
@@ -45,6 +46,22 @@ struct Switches {
   std::uint64_t most_jumps = 20'000'000;
 };
 
+/// Where a program is taken up again (0i-D III-4.6).
+struct RestartPoint {
+  std::uint32_t block = 0;       ///< SourcePosition::block; 0: by sequence number
+  std::uint32_t sequence = 0;    ///< N of the block; 0: by block
+  std::uint32_t occurrence = 1;  ///< which time that N is reached
+};
+
+/// What the part before a restart left behind, for the operator and for the way back to the work.
+struct RestartState {
+  AxisVector position{};            ///< machine position where the block begins, slide mm
+  std::vector<std::int32_t> m;      ///< M codes passed, the newest 35, oldest first
+  std::int32_t tool = 0, offset = 0;
+  double spindle = 0;               ///< S in force
+  ModalSnapshot modal;
+};
+
 enum class Pull {
   operation,  ///< `out` holds the next operation
   wait,       ///< the source has no data yet
@@ -72,6 +89,16 @@ class Interpreter {
   /// `machine_position`.
   void start(std::unique_ptr<program::Source> main, const AxisVector& machine_position);
 
+  /// Starts a main program at a block in its middle: the part before it is run through without anything being
+  /// handed out, and what it would write to offsets and kept variables is not written again. To be called
+  /// until it returns something else than `wait`.
+  /// @return operation: the block is reached, next() begins with it; finished: there is no such block, the alarm
+  /// comes with next(). Nothing has moved: the way to `restart_state().position` is the caller's.
+  Pull restart(std::unique_ptr<program::Source> main, const AxisVector& machine_position,
+               const RestartPoint& point);
+  Pull run_through();
+  const RestartState& restart_state() const;
+
   /// Produces the next operation. Never blocks, never throws on bad input: misuse is an Alarm operation.
   Pull next(Operation& out);
 
@@ -96,6 +123,9 @@ class Interpreter {
   /// A skip move (`Feed::skip_signals`) is over: by a signal, or at its end. Called before the next operation is
   /// asked for.
   void skip_ended(const AxisVector& machine_position, bool triggered);
+
+  /// The tool in use has cut for this long: tool life that counts time. Told by whoever carries out the moves.
+  void tool_cut_for(double seconds);
 
   const ModalSnapshot& modal() const;
   /// Absolute position page for a machine position, under the state in `modal`: programming units, X as

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "tools/tool_life_json.hpp"
+
 namespace headstock::interp {
 namespace {
 
@@ -142,8 +144,10 @@ std::string load_offsets(const std::string& json_text, const std::vector<char>& 
         if (read.tools.size() <= number) read.tools.resize(number + 1);
         reader.tool(tool, "tools/" + name, read.tools[number]);
       }
+    } else if (key == "tool_life") {
+      if (std::string wrong = tools::read_life(value, read.tool_life); !wrong.empty()) return wrong;
     } else {
-      return key + ": unknown key (external, shift, work, tools)";
+      return key + ": unknown key (external, shift, work, tools, tool_life)";
     }
   }
   if (!reader.mistake().empty()) return reader.mistake();
@@ -194,6 +198,7 @@ std::string offsets_to_json(const MachineData& data, const std::vector<char>& ax
                                         {"radius_wear", tool.radius_wear},
                                         {"tip", tool.tip}};
   }
+  if (!data.tool_life.groups.empty()) root["tool_life"] = tools::life_to_json(data.tool_life);
   return root.dump(2);
 }
 

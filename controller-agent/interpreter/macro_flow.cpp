@@ -137,6 +137,10 @@ Executor::Step Executor::carry_out(CompiledBlock& c) {
     go_on_at({c.next_line, 0});
     return Step::done;
   }
+  if (restarting && restart_reached(c.has_sequence, c.sequence, !c.is_empty && !c.is_statement)) {
+    frame.macro.next = &c;
+    return Step::done;
+  }
   if (!c.is_empty || c.has_sequence) frame.at_start = false;
 
   Result result;

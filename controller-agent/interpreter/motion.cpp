@@ -157,6 +157,7 @@ std::int64_t Executor::rolled(const ProgramAxis& axis, std::int64_t wanted) {
   if (axis.turn <= 0) return wanted;
   const auto within = [&axis](std::int64_t value) { return ((value % axis.turn) + axis.turn) % axis.turn; };
   const std::int64_t now = within(axis.position);
+  if (axis.as_written) return axis.position + wanted - now;
   if (axis.by_sign) {  // |value| is the place, its sign the direction
     const std::int64_t ahead = within((wanted < 0 ? -wanted : wanted) - now);
     return axis.position + (wanted < 0 && ahead != 0 ? ahead - axis.turn : ahead);
@@ -170,7 +171,9 @@ double Executor::within_turn(std::size_t axis, double work) const {
   if (!axes[axis].rolls_over || axes[axis].turn <= 0) return work;
   const double turn = static_cast<double>(axes[axis].turn) / 1e9;
   const double left = std::fmod(work, turn);
-  return left < 0 ? left + turn : left;
+  const double positive = left < 0 ? left + turn : left;
+  if (!axes[axis].centered) return positive;
+  return positive > turn / 2 ? positive - turn : positive;
 }
 
 void Executor::fill_motion(Motion& motion, std::uint32_t moved) {
@@ -200,6 +203,7 @@ void Executor::fill_motion(Motion& motion, std::uint32_t moved) {
   if (any_rolls_over) {
     for (std::size_t i = 0; i < axes.size(); ++i) motion.end_work[i] = within_turn(i, work_now[i]);
   }
+  if (own) own->moved(*this, motion);
 }
 
 bool Executor::emit_rapid_to_machine(const AxisVector& target, std::uint32_t moved,

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 namespace headstock::program {
 struct Code;
@@ -13,6 +14,7 @@ namespace headstock::interp {
 
 struct Executor;
 struct Frame;
+struct Motion;
 
 class OwnLanguage {
  public:
@@ -38,6 +40,16 @@ class OwnLanguage {
   /// `frame.line` and `frame.rest` are the text to read; both may be replaced by text that lives as long as
   /// the line.
   virtual Taken take_text(Executor&, Frame&) { return Taken::plain; }
+  /// A block that begins like a macro statement. `plain`: it is none of the dialect's.
+  virtual Taken statement(Executor&, std::string_view /*text*/, std::uint32_t /*column*/) {
+    return Taken::plain;
+  }
+  /// A block of words, read and not yet carried out.
+  virtual Taken take_block(Executor&) { return Taken::plain; }
+  /// A motion has its end: the last word on it.
+  virtual void moved(Executor&, Motion&) {}
+  /// The text of `frame` is over. @return false after an alarm.
+  virtual bool end_of_text(Executor&, Frame&) { return true; }
   /// The block's S word. `done`: it was not a speed.
   virtual Taken take_spindle(Executor&) { return Taken::plain; }
   /// An M code whose MAction is `own`, after the block's motion. @return false after an alarm.

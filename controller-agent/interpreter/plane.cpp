@@ -16,6 +16,7 @@ constexpr int basic_role(int role) {
 }  // namespace
 
 int Executor::role_of(std::size_t axis) const {
+  if (roles_given) return given_roles[axis];
   const char name = axes[axis].name;
   const std::string parameter = std::string("1022/") + name;
   if (const auto set = data.parameters.find(parameter); set != data.parameters.end())

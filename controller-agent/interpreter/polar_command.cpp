@@ -41,9 +41,11 @@ bool Executor::take_polar(std::uint32_t& mask, std::uint32_t& moved) {
     polar.known = true;
   }
   if (radius != nullptr) {
-    polar.center_1 = radius_by ? at_1 : 0;
-    polar.center_2 = radius_by ? at_2 : 0;
-    polar.radius = length_mm(*radius);
+    if (!polar.fixed_pole) {
+      polar.center_1 = radius_by ? at_1 : 0;
+      polar.center_2 = radius_by ? at_2 : 0;
+    }
+    polar.radius = length_mm(*radius) + (polar.fixed_pole && radius_by ? polar.radius : 0);
   }
   if (angle != nullptr) {
     const double value = static_cast<double>(nano(*angle, program::kNano / 1000)) / 1e9;

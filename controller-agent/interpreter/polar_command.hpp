@@ -7,7 +7,8 @@ namespace headstock::interp {
 /// rotation.
 struct PolarCommand {
   bool on = false;
-  bool known = false;  ///< a point has been commanded since G16
+  bool fixed_pole = false;  ///< the pole stays where G16 put it; incremental radii add up
+  bool known = false;       ///< a point has been commanded since G16
   double center_1 = 0, center_2 = 0;
   double radius = 0;
   double angle_deg = 0;

@@ -10,9 +10,12 @@ namespace {
 
 double reference_point(const Executor& ex, std::size_t axis, std::int64_t which) {
   if (which == 1) return ex.machine.axes[axis].reference_mm;
-  const std::string parameter = std::to_string(1239 + which) + '/' + ex.axes[axis].name;
-  return ex.page_to_slide(
-      axis, ex.data.parameter(parameter, ex.machine.axes[axis].reference_mm / ex.axes[axis].diameter));
+  std::string parameter(ex.dialect.modes.reference_parameters[static_cast<std::size_t>(which - 2)]);
+  parameter += '/';
+  parameter += ex.axes[axis].name;
+  const auto set = ex.data.parameters.find(parameter);
+  return set == ex.data.parameters.end() ? ex.machine.axes[axis].reference_mm
+                                         : ex.page_to_slide(axis, set->second);
 }
 
 // Rapid to the block's point, which is kept per axis for G29.
@@ -59,7 +62,8 @@ bool reference_return_n(Executor& ex) {
     which = ex.whole('P', AlarmReason::reference_number);
     if (which < 0) return false;
   }
-  if (which < 2 || which > 4) {
+  if (which < 2 || which > 4 ||
+      ex.dialect.modes.reference_parameters[static_cast<std::size_t>(which - 2)].empty()) {
     return ex.alarm(AlarmReason::reference_number, ex.block['P'].column, "P" + std::to_string(which));
   }
   return to_reference(ex, which);

@@ -32,10 +32,31 @@ AxisVector Transform::apply(AxisVector p) const {
     p[first] = center_1 + cosine * a - sine * b;
     p[second] = center_2 + sine * a + cosine * b;
   }
+  if (spatial) {
+    for (std::size_t i = 0; i < 3; ++i) p[spatial_axes[i]] -= spatial_center[i];
+    p = turn_in_space(p, false);
+    for (std::size_t i = 0; i < 3; ++i) p[spatial_axes[i]] += spatial_center[i];
+  }
   return p;
 }
 
+AxisVector Transform::turn_in_space(AxisVector vector, bool back) const {
+  const AxisVector from = vector;
+  for (std::size_t row = 0; row < 3; ++row) {
+    double sum = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      sum += matrix[back ? i * 3 + row : row * 3 + i] * from[spatial_axes[i]];
+    vector[spatial_axes[row]] = sum;
+  }
+  return vector;
+}
+
 AxisVector Transform::undo(AxisVector p) const {
+  if (spatial) {
+    for (std::size_t i = 0; i < 3; ++i) p[spatial_axes[i]] -= spatial_center[i];
+    p = turn_in_space(p, true);
+    for (std::size_t i = 0; i < 3; ++i) p[spatial_axes[i]] += spatial_center[i];
+  }
   if (rotated) {
     const double a = p[first] - center_1, b = p[second] - center_2;
     p[first] = center_1 + cosine * a + sine * b;
@@ -54,6 +75,7 @@ AxisVector Transform::turn(AxisVector d) const {
     d[first] = cosine * a - sine * b;
     d[second] = sine * a + cosine * b;
   }
+  if (spatial) d = turn_in_space(d, false);
   return d;
 }
 
@@ -72,6 +94,11 @@ double Transform::radius_factor(std::size_t axis_1, std::size_t axis_2) const {
 }
 
 std::uint32_t Transform::also_moved(std::uint32_t written) const {
+  if (spatial) {
+    std::uint32_t all = 0;
+    for (const std::size_t i : spatial_axes) all |= bit_of(i);
+    if ((written & all) != 0) written |= all;
+  }
   if (!rotated) return written;
   const std::uint32_t plane = bit_of(first) | bit_of(second);
   return (written & plane) != 0 ? written | plane : written;
@@ -158,8 +185,9 @@ bool scaling_on(Executor& ex) {
   Transform& t = ex.transform;
   t.scaled = 0;
   ex.follow_transform();
-  const double unit = ex.data.bit(rules.scale_unit_parameter) ? 0.001 : 0.00001;
-  const bool per_axis = ex.data.bit(rules.scale_each_parameter);
+  const double unit = rules.scale_in_thousandths || ex.data.bit(rules.scale_unit_parameter) ? 0.001 : 0.00001;
+  const bool by_words = ex.block.has('I') || ex.block.has('J') || ex.block.has('K');
+  const bool per_axis = ex.data.bit(rules.scale_each_parameter) || (rules.scale_by_words && by_words);
   // As written with a point; without one in units of the parameter.
   const auto value = [&](const program::Word& word) {
     return word.point ? word.value() : word.value() * unit;

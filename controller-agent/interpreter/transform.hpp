@@ -7,6 +7,7 @@
 // are not touched. Positions here are relative to the work zero point, in slide mm (X as radius) or degrees.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -25,8 +26,12 @@ struct Transform {
   double center_1 = 0, center_2 = 0;
   double angle_deg = 0;  ///< from the first to the second axis
   double cosine = 1, sine = 0;
+  bool spatial = false;  ///< rotated about any axis instead (K2000TC G68.1 with I J K)
+  std::array<std::size_t, 3> spatial_axes{};
+  std::array<double, 3> spatial_center{};
+  std::array<double, 9> matrix{};  ///< rows of the rotation
 
-  bool active() const { return (mirrored | scaled) != 0 || rotated; }
+  bool active() const { return (mirrored | scaled) != 0 || rotated || spatial; }
 
   /// Written position → position in the work system.
   machine::AxisVector apply(machine::AxisVector position) const;
@@ -42,6 +47,9 @@ struct Transform {
   std::uint32_t also_moved(std::uint32_t written) const;
 
   void set_angle(double degrees);
+
+ private:
+  machine::AxisVector turn_in_space(machine::AxisVector vector, bool back) const;
 };
 
 }  // namespace headstock::interp

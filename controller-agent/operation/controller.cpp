@@ -125,6 +125,10 @@ Controller::Impl::Impl(machine::Machine machine_in, interp::MachineData data_in,
   interpreter.reset(home);
   interpreter.on_data_change([this](const interp::DataChange& change) {
     emit(OffsetChanged{change, "program"});
+    if (change.what == "tool_life/change_due" && change.after != 0) {
+      const MachineAlarm text = tool_life_message();
+      raise(std::string(text.code), {}, last_block, text, true);
+    }
   });
 }
 

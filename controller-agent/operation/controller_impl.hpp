@@ -128,6 +128,7 @@ struct Controller::Impl {
   bool planned = true;                  // the kernel has planned everything pushed
   std::uint64_t commit_event = 0;       // number of the part's event that must be committed
   std::uint64_t run_periods_base = 0, cutting_periods_base = 0;
+  std::uint64_t life_periods = 0;  // cutting periods that tool life has been told of
   double last_cycle_s = 0;
   double total_run_base_s = 0;
 

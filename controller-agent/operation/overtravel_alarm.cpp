@@ -36,4 +36,9 @@ MachineAlarm port_code_alarm() {
           "本机不能执行等待输入、延时或按位置动作的 M 代码"};
 }
 
+MachineAlarm tool_life_message() {
+  return {"TLCH", "Tool life: the last tool of a group is spent. New tools are needed",
+          "刀具寿命：组内最后一把刀具寿命已到，需要更换刀具"};
+}
+
 }  // namespace headstock::operation

@@ -43,6 +43,11 @@ Interlude function(const plc::Request& request) {
 bool Controller::Impl::work() {
   while (waiting.load(std::memory_order_relaxed) > 0) std::this_thread::yield();
   std::lock_guard guard(lock);
+  // Before anything changes the tool in use.
+  if (const std::uint64_t cut = realtime.state().cutting_periods; cut != life_periods) {
+    if (!realtime.machine_lock) interpreter.tool_cut_for(static_cast<double>(cut - life_periods) * period_s());
+    life_periods = cut;
+  }
   if (phase == Phase::aborting) {
     if (!realtime.aborted()) return false;
     after_abort();

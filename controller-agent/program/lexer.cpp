@@ -79,7 +79,7 @@ class Scanner {
         case Kind::letter:
           if (is_statement()) {
             if (!is_named_word()) return statement();
-            if (!read_marked_word()) return failed();
+            if (!read_marked_word(rules_.named_letters)) return failed();
             at_head = false;
             break;
           }
@@ -90,7 +90,7 @@ class Scanner {
           if (!read_word('O')) return failed();
           break;
         case Kind::comma:
-          if (!read_marked_word()) return failed();
+          if (!read_marked_word(rules_.comma_letters)) return failed();
           at_head = false;
           break;
         case Kind::open:
@@ -336,12 +336,12 @@ class Scanner {
   }
 
   // `,C` `NC`: words of their own beside C. `at_` is at the mark.
-  bool read_marked_word() {
+  bool read_marked_word(std::uint32_t allowed) {
     const char* comma = at_++;
     while (at_ < end_ && kind_of(*at_) == Kind::blank) ++at_;
     if (at_ == end_ || kind_of(*at_) != Kind::letter) return fail(LexError::illegal_character, comma);
     const auto letter = static_cast<char>(*at_ & ~0x20);
-    if ((rules_.comma_letters & letter_bit(letter)) == 0) return fail(LexError::illegal_character, comma);
+    if ((allowed & letter_bit(letter)) == 0) return fail(LexError::illegal_character, comma);
     const char* where = at_++;
     Number number;
     if (!read_number(where, number)) return false;

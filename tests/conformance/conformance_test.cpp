@@ -70,6 +70,8 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
           common("rapid", op);
         } else if constexpr (std::is_same_v<T, interp::Feed>) {
           common("feed", op);
+          seen.values["input"] = op.skip_input;
+          seen.values["level"] = op.skip_level ? 1 : 0;
           add_feed(seen, op.feed, op.unit);
           seen.values["skip"] = op.skip_signals;
         } else if constexpr (std::is_same_v<T, interp::Arc>) {
@@ -208,6 +210,29 @@ machine::Machine machine_of(const Case& one, const std::string& profile) {
   return machine;
 }
 
+// `collapse: yes`: moves of one kind from one line become one, with their number and the extremes they
+// reached.
+bool collapse(Seen& next, std::vector<Seen>& seen, const machine::Machine& machine) {
+  next.values["count"] = 1;
+  for (const auto& axis : machine.axes) {
+    next.values[std::string("min") + axis.name] = next.values[std::string(1, axis.name)];
+    next.values[std::string("max") + axis.name] = next.values[std::string(1, axis.name)];
+  }
+  if (next.op != "feed" || seen.empty() || seen.back().op != next.op ||
+      seen.back().values["line"] != next.values["line"])
+    return false;
+  Seen& last = seen.back();
+  const Seen before = last;
+  last = next;
+  last.values["count"] = before.values.at("count") + 1;
+  for (const auto& axis : machine.axes) {
+    const std::string least = std::string("min") + axis.name, most = std::string("max") + axis.name;
+    last.values[least] = std::min(before.values.at(least), next.values[least]);
+    last.values[most] = std::max(before.values.at(most), next.values[most]);
+  }
+  return true;
+}
+
 class NamedPrograms final : public program::Programs {
  public:
   explicit NamedPrograms(const Case& one) : case_(one) {
@@ -289,20 +314,26 @@ TEST_P(Conformance, AsTheManualSays) {
 
   NamedPrograms programs(one);
   interp::Interpreter interpreter(*dialect, machine, data, &programs);
+  const std::string show = " " + setting("show") + " ";
+  std::vector<Seen> seen;
+  if (show.find(" data ") != show.npos) {
+    interpreter.on_data_change([&seen](const interp::DataChange& change) {
+      seen.push_back({"data", change.what, {{"before", change.before}, {"after", change.after}}});
+    });
+  }
   interpreter.set_switches(switches);
   interpreter.start(program::source_from_text(one.program), position(setting("start"), machine));
 
-  const std::string show = " " + setting("show") + " ";
-  std::vector<Seen> seen;
   interp::Operation operation;
   while (seen.size() < 1'000 && interpreter.next(operation) == interp::Pull::operation) {
     Seen next = describe(operation, machine);
     // MC: the program's own, by #3000.
-    if (next.op == "alarm" && next.word != "HS0001" && !next.word.starts_with("MC") && profile != "k2000tc") {
+    if (next.op == "alarm" && next.word != "HS0001" && !next.word.starts_with("MC")) {
       dialects::Alarm row;
       EXPECT_TRUE(dialects::find_alarm(profile, next.word, row))
           << next.word << " is not in the catalogue of " << profile;
     }
+    if (!setting("collapse").empty() && collapse(next, seen, machine)) continue;
     if (show == "  " || show.find(" " + next.op + " ") != show.npos || next.op == "alarm")
       seen.push_back(next);
   }

@@ -42,6 +42,24 @@ void set_common_modes(ModeRules& modes) {
   modes.spindle_parameters = kSpindleParameters;
 }
 
+// Tool life (0i-D 10.2).
+void set_common_life(ToolLifeRules& life) {
+  life.enable_parameter = "8132#0";
+  life.most_groups_parameter = "6813";
+  life.split_low_parameter = "6800#0";
+  life.split_high_parameter = "6800#1";
+  life.by_time_parameter = "6800#2";
+  life.tenths_word_parameter = "6805#1";
+  life.tenths_count_parameter = "6805#0";
+  life.round_up_parameter = "6805#6";
+  life.restart_parameter = "6811";
+  life.restart_large_parameter = "13221";
+  life.stop_at_m99_parameter = "6802#0";
+  life.notice_uses_parameter = "6844";
+  life.notice_time_parameter = "6845";
+  life.notice_equal_parameter = "6802#7";
+}
+
 Dialect make_common() {
   Dialect d;
   set_alarm_codes(d, "PS0010",
@@ -80,6 +98,17 @@ Dialect make_common() {
                    {R::call_without_p, "PS0076"},
                    {R::program_not_found, "PS0076"},
                    {R::sequence_not_found, "PS0078"},
+                   {R::life_format, "PS0149"},
+                   {R::life_group_number, "PS0150"},
+                   {R::life_group_missing, "PS0151"},
+                   {R::life_too_many_tools, "PS0152"},
+                   {R::life_no_t, "PS0153"},
+                   {R::life_not_in_use, "PS0154"},
+                   {R::life_wrong_t, "PS0155"},
+                   {R::life_no_p_l, "PS0156"},
+                   {R::life_too_many_groups, "PS0157"},
+                   {R::life_value, "PS0158"},
+                   {R::life_data, "PS0159"},
                    {R::nesting, "PS0077"},
                    {R::call_count, "PS0076"},
                    {R::g_not_now, "PS0412"},
@@ -126,7 +155,19 @@ Dialect make_common() {
   d.arcs.feed_on_arc = true;
   d.arcs.feed_on_path_parameter = "1403#5";  // HTG
   set_common_modes(d.modes);
+  set_common_life(d.life);
   return d;
+}
+
+void set_changer_life(ToolLifeRules& life) {
+  life.form = ToolLifeRules::Form::changer;
+  life.ignore_parameter = "6810";
+  life.next_in_change_parameter = "6800#7";
+  life.count_in_change_parameter = "6801#7";
+  life.change_without_t_parameter = "6805#7";
+  life.any_returned_parameter = "6800#6";
+  life.h_parameter = "13265";
+  life.d_parameter = "13266";
 }
 
 }  // namespace
@@ -134,6 +175,8 @@ Dialect make_common() {
 Dialect make_fanuc_0i_t() {
   Dialect d = make_common();
   d.profile = "fanuc-0i-t";
+  d.life.form = ToolLifeRules::Form::turret;
+  d.life.per_offset_parameter = "6801#1";
   d.set_alarm_code(R::no_intermediate, "PS0010");  // M alarms: no G29, no G43 here
   d.set_alarm_code(R::length_axis, "PS0010");
   d.set_alarm_code(R::polar_axis, "PS0145");
@@ -170,6 +213,7 @@ Dialect make_fanuc_0i_t() {
 Dialect make_fanuc_0i_m() {
   Dialect d = make_common();
   d.profile = "fanuc-0i-m";
+  set_changer_life(d.life);
   d.set_alarm_code(R::scale_value, "PS0142");
   d.set_alarm_code(R::scaling_code, "PS0300");
   d.set_alarm_code(R::rotation_plane, "PS0144");

@@ -1,9 +1,54 @@
 // K2000TCi. Numbers it does not print are those of the FANUC scheme it follows.
 #include "dialects/build.hpp"
+#include "dialects/k2000tc/language.hpp"
+#include "dialects/k2000tc/modes.hpp"
 #include "program/block.hpp"
 #include "tables/gcodes_k2000tc.hpp"
 
 namespace headstock::dialects {
+namespace k2000tc {
+namespace {
+
+constexpr OwnHandler kOwn[] = {
+    {"macro_call", Phase::setting, macro_call},
+    {"rapid_k2000", Phase::motion, rapid},
+    {"feed_k2000", Phase::motion, feed},
+    {"arc_cw_k2000", Phase::motion, arc_cw},
+    {"arc_ccw_k2000", Phase::motion, arc_ccw},
+    {"three_point_arc", Phase::motion, three_point_arc},
+    {"plane_archimedean_cw", Phase::motion, plane_archimedean_cw},
+    {"plane_archimedean_ccw", Phase::motion, plane_archimedean_ccw},
+    {"space_archimedean_cw", Phase::motion, space_archimedean_cw},
+    {"space_archimedean_ccw", Phase::motion, space_archimedean_ccw},
+    {"plane_logarithmic_cw", Phase::motion, plane_logarithmic_cw},
+    {"plane_logarithmic_ccw", Phase::motion, plane_logarithmic_ccw},
+    {"space_logarithmic_cw", Phase::motion, space_logarithmic_cw},
+    {"space_logarithmic_ccw", Phase::motion, space_logarithmic_ccw},
+    {"dwell_k2000", Phase::action, dwell},
+    {"modify_parameters", Phase::action, modify_parameters},
+    {"hypothetical_axis", Phase::action, hypothetical_axis},
+    {"spindle_thread", Phase::action, spindle_thread},
+    {"diameter_or_radius", Phase::action, diameter_or_radius},
+    {"machine_move_k2000", Phase::action, machine_move},
+    {"fast_machine_move", Phase::action, fast_machine_move},
+    {"assign_axes", Phase::action, assign_axes},
+    {"mirror_x_on", Phase::setting, mirror_x_on},
+    {"mirror_x_off", Phase::setting, mirror_x_off},
+    {"rotation_on_k2000", Phase::action, rotation_on},
+    {"rotation_off_k2000", Phase::setting, rotation_off},
+    {"polar_on_k2000", Phase::setting, polar_on},
+    {"skip_k2000", Phase::action, skip},
+    {"inch_k2000", Phase::setting, inch},
+    {"metric_k2000", Phase::setting, metric},
+    {"data_input_k2000", Phase::action, data_input},
+};
+
+std::unique_ptr<interp::OwnLanguage> make_language(Executor& ex) {
+  return std::make_unique<Language>(ex);
+}
+
+}  // namespace
+}  // namespace k2000tc
 
 Dialect make_k2000tc() {
   using program::letters;
@@ -45,11 +90,18 @@ Dialect make_k2000tc() {
                                 {R::sequence_not_found, "PS0128"},
                                 {R::nesting, "PS0077"},
                                 {R::call_count, "PS0078"}});
-  add_g_codes(d, tables::gcodes_k2000tc);
+  add_g_codes(d, tables::gcodes_k2000tc, k2000tc::kOwn);
+  d.make_own = k2000tc::make_language;
   d.incremental_letters[0] = true;
   d.m_rules = usual_m_rules();
-  for (const std::int32_t macro : {91, 92, 93, 94, 96, 97})
-    d.m_rules.push_back({macro, MAction::unavailable});
+  for (const std::int32_t own : {6, 91, 92, 93, 94}) d.m_rules.push_back({own, MAction::own});
+  for (const std::int32_t macro : {96, 97}) d.m_rules.push_back({macro, MAction::unavailable});
+  d.power_on_switches = {{"P2500.7", {10, 10, 10}}};
+  d.modes.compensation_group = 7;
+  d.modes.reference_parameters = {"P0511", "P0512", ""};
+  d.modes.scale_in_thousandths = true;
+  d.modes.scale_by_words = true;
+  d.modes.scale_axis_parameter = "P3611";
   d.numbers.decimal_parameter = "P2500.3";  // PODI
   d.numbers.rounding = Rounding::truncate;  // L7160
   d.numbers.most_digits = 17;               // only the digits left after cutting count

@@ -30,10 +30,39 @@ bool dwell(Executor& ex) {
   return true;
 }
 
+// G31 X Z F and L or K: as G01 until input L is active, or K is not (L2861, L9647).
+bool skip(Executor& ex) {
+  const bool by_l = ex.block.has('L'), by_k = ex.block.has('K');
+  if (by_l == by_k) return ex.alarm(AlarmReason::no_data, ex.code_column, "G31 L K");
+  const char letter = by_l ? 'L' : 'K';
+  const std::int64_t port = ex.whole(letter, AlarmReason::value_range);
+  if (port < 0) return false;
+  if (!is_input(port))
+    return ex.alarm(AlarmReason::value_range, ex.block[letter].column, std::string(1, letter));
+  const machine::AxisVector from = ex.machine_now;
+  std::uint32_t moved = 0;
+  double feed = 0;
+  interp::FeedUnit unit{};
+  if (!ex.take_targets(moved) || moved == 0) return !ex.finished;
+  if (!ex.cutting_feed(ex.path_to_targets(from, moved), feed, unit)) return false;
+  auto& move = ex.emit<interp::Feed>();
+  ex.fill_motion(move, moved);
+  move.feed = feed;
+  move.unit = unit;
+  move.exact_stop = true;
+  move.skip_signals = interp::kSkipInput;
+  move.skip_input = static_cast<std::int16_t>(port);
+  move.skip_level = by_l;
+  ex.skip.machine = ex.machine_now;
+  ex.skip.triggered = false;
+  return true;
+}
+
 namespace {
 
 constexpr OwnHandler kOwn[] = {{"dwell_200t", Phase::action, dwell},
                                {"modify_offset", Phase::action, modify_offset},
+                               {"skip_200t", Phase::action, skip},
                                {"start_point", Phase::action, start_point},
                                {"home", Phase::action, home},
                                {"set_start", Phase::action, set_start},

@@ -114,6 +114,7 @@ bool shift(Executor& ex);             // G58
 bool system_component(Executor& ex);  // G59
 bool modify_component(Executor& ex);  // G60
 bool user_macro(Executor& ex);        // G160…G169 (macro.cpp)
+bool skip(Executor& ex);              // G31
 bool dwell(Executor& ex);             // G04
 
 }  // namespace headstock::dialects::lathe_200t

@@ -37,7 +37,7 @@ TEST(MachineData, MistakesNameTheirPlaceAndChangeNothing) {
   EXPECT_EQ(load_offsets(R"({"tools":{"0":{}}})", kAxes, data), "tools/0: must be a number from 1 to 999");
   EXPECT_EQ(load_offsets(R"({"tools":{"1":{"tip":12}}})", kAxes, data), "tools/1/tip: must be 0 to 9");
   EXPECT_EQ(load_offsets(R"({"offset":1})", kAxes, data),
-            "offset: unknown key (external, shift, work, tools)");
+            "offset: unknown key (external, shift, work, tools, tool_life)");
   EXPECT_NE(load_offsets("{", kAxes, data), "");
   EXPECT_EQ(load_offsets("[]", kAxes, data), "must be a JSON object");
   EXPECT_EQ(data.version, 0u);

@@ -1,0 +1,114 @@
+// `headstock convert-tape`: a program from one tape code to another, with the checks a control would make.
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+
+#include "offline/offline.hpp"
+#include "protocol/tape/decoder.hpp"
+#include "protocol/tape/encoder.hpp"
+
+namespace headstock::offline {
+namespace {
+
+struct Options {
+  std::string from = "iso", to = "ascii", end_of_block = "lf", symbols, out, file;
+  std::uint32_t leader = 0, trailer = 0;
+  bool frame = false, tv = false, no_tv_comments = false, fold_case = false;
+};
+
+int fail(const std::string& text) {
+  std::cerr << "headstock convert-tape: " << text << '\n';
+  return 1;
+}
+
+void print(const tape::Findings& findings, const std::string& file) {
+  for (const tape::Finding& finding : findings.kept())
+    std::cerr << file << ": " << tape::describe(finding) << '\n';
+  if (findings.count() > findings.kept().size())
+    std::cerr << file << ": and " << findings.count() - findings.kept().size() << " more\n";
+}
+
+// @return 0, 1 (cannot be read or written) or 2 (something could not be converted).
+int convert(const Options& options) {
+  tape::ReadFormat read;
+  tape::PunchFormat punch;
+  read.code = *tape::code_named(options.from);
+  punch.code = *tape::code_named(options.to);
+  if (const auto error = punch.symbols.read(options.symbols); !error.empty())
+    return fail("--symbols: " + error);
+  read.symbols = punch.symbols;
+  punch.end_of_block = *tape::end_of_block_named(options.end_of_block);
+  read.keep_cr = punch.end_of_block == tape::EndOfBlock::keep;
+  read.tv_check = options.tv;
+  read.tv_counts_comments = !options.no_tv_comments;
+  punch.pad_for_tv = options.tv;
+  punch.leader = options.leader;
+  punch.trailer = options.trailer;
+  punch.frame = options.frame;
+  punch.fold_case = options.fold_case;
+
+  std::ifstream file;
+  if (options.file != "-") {
+    file.open(options.file, std::ios::binary);
+    if (!file) return fail(options.file + ": cannot be read");
+  }
+  std::ofstream out_file;
+  if (!options.out.empty()) {
+    out_file.open(options.out, std::ios::binary | std::ios::trunc);
+    if (!out_file) return fail(options.out + ": cannot be written");
+  }
+  std::istream& in = options.file == "-" ? std::cin : file;
+  std::ostream& out = options.out.empty() ? std::cout : out_file;
+  tape::Decoder decoder(read);
+  tape::Encoder encoder(punch);
+  std::string piece(64u << 10, '\0'), text, bytes;
+  const auto flush = [&] {
+    encoder.put(text, bytes);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    text.clear();
+    bytes.clear();
+  };
+  while (in.read(piece.data(), static_cast<std::streamsize>(piece.size())), in.gcount() > 0) {
+    decoder.put(std::string_view(piece).substr(0, static_cast<std::size_t>(in.gcount())), text);
+    flush();
+  }
+  if (in.bad()) return fail(options.file + ": cannot be read");
+  decoder.finish(text);
+  flush();
+  encoder.finish(bytes);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  out.flush();
+  if (!out) return fail("cannot be written");
+  print(decoder.findings(), options.file);
+  print(encoder.findings(), options.file);
+  return decoder.findings().none() && encoder.findings().none() ? 0 : 2;
+}
+
+}  // namespace
+
+void add_convert_tape(CLI::App& app, int& exit_status) {
+  const auto options = std::make_shared<Options>();
+  auto* command =
+      app.add_subcommand("convert-tape", "Convert a program between ISO, EIA and ASCII tape codes");
+  const auto codes = CLI::IsMember({"iso", "eia", "ascii"});
+  command->add_option("--from", options->from, "iso, eia, ascii")->required()->check(codes);
+  command->add_option("--to", options->to, "iso, eia, ascii")->required()->check(codes);
+  command->add_option("--eob", options->end_of_block, "End of block: lf, crlf, lfcrcr, cr, keep")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"lf", "crlf", "lfcrcr", "cr", "keep"}));
+  command->add_option("--symbols", options->symbols,
+                      "EIA holes of * = # [ ] ? @ & _ (parameters No.6010-6018), as #=4C,*=0D");
+  command->add_option("--leader", options->leader, "Blank characters in front")->check(CLI::Range(0, 10'000));
+  command->add_option("--trailer", options->trailer, "Blank characters behind")->check(CLI::Range(0, 10'000));
+  command->add_flag("--frame", options->frame, "Put % lines around the program where they are missing");
+  command->add_flag("--tv", options->tv,
+                    "Check the blocks read for an even number of characters, pad those written");
+  command->add_flag("--tv-without-comments", options->no_tv_comments,
+                    "TV check does not count comments (No.0100#1)");
+  command->add_flag("--fold-case", options->fold_case, "Lower-case letters become capitals");
+  command->add_option("-o,--output", options->out, "File to write (standard output when left out)");
+  command->add_option("FILE", options->file, "File to read, - for standard input")->required();
+  command->callback([options, &exit_status] { exit_status = convert(*options); });
+}
+
+}  // namespace headstock::offline

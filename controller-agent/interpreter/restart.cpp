@@ -1,0 +1,123 @@
+#include "interpreter/restart.hpp"
+
+#include <utility>
+
+#include "interpreter/executor.hpp"
+
+namespace headstock::interp {
+namespace {
+
+constexpr std::size_t kMostSampled = 35;  // M codes the control remembers (0i-D L31152)
+
+}  // namespace
+
+Pull Executor::restart(std::unique_ptr<program::Source> main, const AxisVector& machine_position,
+                       const RestartPoint& point) {
+  start(std::move(main), machine_position);
+  restart_run = {};
+  restart_run.point = point;
+  restart_run.data = std::make_unique<MachineData>(data);
+  restarting = true;
+  return run_through();
+}
+
+// Before a block is carried out. @return true: it is the one, and is left for the next pull.
+bool Executor::restart_reached(bool has_sequence, std::uint32_t sequence, bool counted) {
+  RestartRun& run = restart_run;
+  if (run.point.block != 0) {
+    run.reached = counted && at.block + 1 == run.point.block;
+  } else if (has_sequence && sequence == run.point.sequence) {
+    run.reached = ++run.seen == run.point.occurrence;
+  }
+  return run.reached;
+}
+
+Pull Executor::run_through() {
+  Operation thrown;
+  while (restarting) {
+    out = &thrown;
+    out_used = false;
+    if (cycle.running != nullptr) {
+      if (!cycle.running->next(*this)) {
+        cycle.running.reset();
+        cycle.name = nullptr;
+        if (!finished) run_deferred();
+      }
+    } else if (!finished && step() == Step::wait) {
+      return Pull::wait;
+    }
+    if (out_used) sample(thrown);
+    for (const Operation& more : queue) sample(more);
+    const bool alarmed = finished && std::holds_alternative<Alarm>(queue.empty() ? thrown : queue.back());
+    queue.clear();
+    queue_head = 0;
+    if (macros != nullptr && ++macros->steps % 1'024 == 0 && macros->environment->wants_stop()) {
+      finished = true;
+      restarting = false;
+      leave_program();
+      return Pull::finished;
+    }
+    if (!finished && !restart_run.reached) continue;
+
+    restarting = false;
+    restart_run.state.position = machine_now;
+    restart_run.state.modal = modal;
+    restart_run.state.spindle = modal.spindle_speed;
+    keep_data_of_broken_run();
+    barrier = false;
+    at_standstill = true;
+    if (!finished) return Pull::operation;
+    leave_program();
+    if (alarmed) {
+      queue.push_back(std::move(thrown));
+    } else {
+      queue.emplace_back(Alarm{at, std::string(dialect.alarm_code(AlarmReason::sequence_not_found)),
+                               restart_run.point.block != 0 ? std::to_string(restart_run.point.block)
+                                                            : "N" + std::to_string(restart_run.point.sequence)});
+    }
+    return Pull::finished;
+  }
+  return finished ? Pull::finished : Pull::operation;
+}
+
+// The variables that do not outlive power are those of this run; everything else stands as it did.
+void Executor::keep_data_of_broken_run() {
+  if (macros != nullptr) (void)macros->variables.take_changes();
+  const std::uint64_t version = data.version + 1;
+  std::map<std::uint32_t, double> variables;
+  if (macros != nullptr) {
+    for (const macro::CommonRange& range : macros->rules.common) {
+      if (range.retained) continue;
+      for (std::uint32_t number = range.first; number <= range.last; ++number) {
+        const double value = macros->common.get(number);
+        if (!macro::is_null(value)) variables[number] = value;
+      }
+    }
+  }
+  for (const auto& [number, value] : restart_run.data->common_variables) {
+    bool own_range = false;
+    if (macros != nullptr) {
+      for (const macro::CommonRange& range : macros->rules.common)
+        own_range = own_range || (!range.retained && number >= range.first && number <= range.last);
+    }
+    if (!own_range) variables[number] = value;
+  }
+  data = std::move(*restart_run.data);
+  data.common_variables = std::move(variables);
+  data.version = version;
+  restart_run.data.reset();
+  update_zeros();
+}
+
+void Executor::sample(const Operation& passed) {
+  RestartState& state = restart_run.state;
+  if (const auto* m = std::get_if<MCode>(&passed)) {
+    if (state.m.size() == kMostSampled) state.m.erase(state.m.begin());
+    state.m.push_back(m->code);
+  } else if (const auto* tool = std::get_if<Tool>(&passed)) {
+    state.tool = tool->tool;
+    state.offset = tool->offset;
+  }
+}
+
+}  // namespace headstock::interp

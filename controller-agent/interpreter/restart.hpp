@@ -1,0 +1,23 @@
+// A program taken up in its middle.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "interpreter/canonical.hpp"
+#include "interpreter/interpreter.hpp"
+#include "interpreter/machine_data.hpp"
+
+namespace headstock::interp {
+
+struct RestartRun {
+  RestartPoint point;
+  std::uint32_t seen = 0;  ///< times the sequence number was passed
+  bool reached = false;
+  RestartState state;
+  /// As it was before: what the part run through writes has been written by the run that was broken off.
+  std::unique_ptr<MachineData> data;
+};
+
+}  // namespace headstock::interp

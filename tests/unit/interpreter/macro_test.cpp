@@ -1,0 +1,246 @@
+// Macros as the operation layer meets them: standstill, pause and stop, interruption, changes of variables, restart.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "dialects/dialect.hpp"
+#include "interpreter/interpreter.hpp"
+#include "macro/environment.hpp"
+#include "program/library.hpp"
+
+namespace headstock::interp {
+namespace {
+
+struct Running final : macro::Environment {
+  bool takes_time() const override { return true; }
+  bool wants_pause() override { return pauses; }
+  bool wants_stop() override { return ++asked >= stop_after; }
+  bool pauses = false;
+  std::uint64_t asked = 0, stop_after = UINT64_MAX;
+};
+
+struct Bench {
+  explicit Bench(std::string_view profile = "fanuc-0i-m")
+      : machine(*machine::default_machine(profile)),
+        interpreter(*dialects::find(profile), machine, data, &programs) {}
+  machine::Machine machine;
+  MachineData data;
+  program::FilePrograms programs;
+  Interpreter interpreter;
+  std::string text;
+
+  void start(std::string program) {
+    text = std::move(program);
+    interpreter.start(program::source_from_text(text), {});
+  }
+  Pull next() { return interpreter.next(operation); }
+  std::string alarm_of_run(int most = 100'000) {
+    for (int i = 0; i < most; ++i) {
+      const Pull pull = next();
+      if (pull == Pull::finished) return "none";
+      if (const auto* alarm = std::get_if<Alarm>(&operation); pull == Pull::operation && alarm != nullptr)
+        return alarm->code;
+    }
+    return "endless";
+  }
+  Operation operation;
+};
+
+const Motion* motion(const Operation& operation) {
+  if (const auto* rapid = std::get_if<Rapid>(&operation)) return rapid;
+  return std::get_if<Feed>(&operation);
+}
+
+TEST(Macro, ASignalIsReadAtAStandstill) {
+  Bench bench;
+  Running environment;
+  bench.interpreter.set_environment(&environment);
+  bench.start("G0 X1.\nIF[#1000 EQ 1]GOTO 9\nX2.\nN9 X3.\nM30\n");
+  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_EQ(bench.next(), Pull::standstill);
+  environment.set_input(0, true);  // comes while the first move is under way
+  ASSERT_EQ(bench.next(), Pull::operation);
+  EXPECT_EQ(motion(bench.operation)->end_work[0], 3.0);
+}
+
+TEST(Macro, AnOutputDoesNotRunAheadOfAMove) {
+  Bench bench;
+  Running environment;
+  bench.interpreter.set_environment(&environment);
+  bench.start("G0 X1.\n#1100=1\nX2.\nM30\n");
+  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_EQ(bench.next(), Pull::standstill);
+  EXPECT_FALSE(environment.output(0));
+  ASSERT_EQ(bench.next(), Pull::operation);
+  EXPECT_TRUE(environment.output(0));
+}
+
+TEST(Macro, PlainVariablesDoNotStopTheMachine) {
+  Bench bench;
+  Running environment;
+  bench.interpreter.set_environment(&environment);
+  bench.start("G0 X1.\n#1=#5001+1\n#500=#1\n#2001=0.1\nX#1\nM30\n");
+  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_EQ(bench.next(), Pull::operation);
+  EXPECT_EQ(motion(bench.operation)->end_work[0], 2.0);
+}
+
+TEST(Macro, ALongCalculationPausesAndGoesOn) {
+  Bench bench;
+  Running environment;
+  environment.pauses = true;
+  bench.interpreter.set_environment(&environment);
+  bench.start("#1=0\nWHILE[#1 LT 10000]DO1\n#1=#1+1\nEND1\nG0 X#1\nM30\n");
+  int pauses = 0;
+  Pull pull = bench.next();
+  for (; pull == Pull::pause; pull = bench.next()) ++pauses;
+  EXPECT_GT(pauses, 10);
+  ASSERT_EQ(pull, Pull::operation);
+  EXPECT_EQ(motion(bench.operation)->end_work[0], 10'000.0);
+}
+
+TEST(Macro, AStopEndsAnyLoopAtOnce) {
+  Bench bench;
+  Running environment;
+  environment.stop_after = 3;
+  bench.interpreter.set_environment(&environment);
+  bench.start("DO1\n#1=#1+1\nEND1\n");
+  EXPECT_EQ(bench.next(), Pull::finished);
+  EXPECT_EQ(environment.asked, 3u);
+  EXPECT_EQ(bench.next(), Pull::finished);
+}
+
+TEST(Macro, EndlessLoopsAreAlarms) {
+  Bench bench;
+  Switches switches;
+  switches.most_jumps = 50'000;
+  bench.interpreter.set_switches(switches);
+  bench.start("DO1\n#1=#1+1\nEND1\nM30\n");
+  EXPECT_EQ(bench.alarm_of_run(), "HS0001");
+  bench.start("N1 GOTO 1\nM30\n");
+  EXPECT_EQ(bench.alarm_of_run(), "HS0001");
+}
+
+TEST(Macro, AStreamCannotBeSearched) {
+  struct Stream final : program::Source {
+    explicit Stream(std::string_view whole) : source(program::source_from_text(whole)) {}
+    program::ReadResult read(std::span<char> buffer) override { return source->read(buffer); }
+    bool seek(std::uint64_t) override { return false; }
+    std::unique_ptr<program::Source> source;
+  };
+  for (const char* text : {"GOTO 5\nN5 M30\n", "#1=0\nWHILE[#1 LT 1]DO1\n#1=1\nEND1\nM30\n"}) {
+    Bench bench;
+    bench.interpreter.start(std::make_unique<Stream>(text), {});
+    EXPECT_EQ(bench.alarm_of_run(), "PS0123") << text;
+  }
+  Bench bench;
+  bench.programs.add_text("O5\n#1=0\nWHILE[#1 LT 3]DO1\n#1=#1+1\nEND1\nG0X#1\nM99\n");
+  bench.interpreter.start(std::make_unique<Stream>("#2=1\nG65 P5\nM30\n"), {});
+  ASSERT_EQ(bench.next(), Pull::operation);  // in memory they may
+  EXPECT_EQ(motion(bench.operation)->end_work[0], 3.0);
+}
+
+TEST(Macro, ChangesAreToldOnceAndStored) {
+  Bench bench;
+  std::vector<DataChange> changes;
+  bench.interpreter.on_data_change([&](const DataChange& change) { changes.push_back(change); });
+  bench.start("#500=0\nWHILE[#500 LT 1000]DO1\n#500=#500+1\nEND1\nG0 X1.\nM30\n");
+  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_EQ(changes[0].what, "variable/500");
+  EXPECT_EQ(changes[0].after, 1000);
+  EXPECT_EQ(bench.data.common_variables.at(500), 1000);
+}
+
+TEST(Macro, ResetClearsWhatIsNotKept) {
+  Bench bench;
+  bench.start("#100=1\n#500=2\nG0X1.\nX2.\n");
+  bench.next();
+  ASSERT_EQ(bench.data.common_variables.count(100), 1u);
+  bench.interpreter.reset({});
+  EXPECT_EQ(bench.data.common_variables.count(100), 0u);
+  EXPECT_EQ(bench.data.common_variables.at(500), 2);
+}
+
+TEST(Macro, AnInterruptionRunsAndBringsTheModalStateBack) {
+  Bench bench;
+  bench.programs.add_text("O13\nG91 G01 Z1. F50\n#100=#4401\nM99\n");
+  bench.start("G90 G0\nM96 P13\nX1.\nX2.\nM97\nX3.\nM30\n");
+  EXPECT_FALSE(bench.interpreter.interrupt({}));
+  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_TRUE(bench.interpreter.interruption_enabled());
+  AxisVector here{};
+  here[0] = 0.5;  // in the middle of the move
+  ASSERT_TRUE(bench.interpreter.interrupt(here));
+  EXPECT_FALSE(bench.interpreter.interrupt(here));  // not while it runs
+  ASSERT_EQ(bench.next(), Pull::operation);
+  EXPECT_EQ(motion(bench.operation)->at.program, 13u);
+  EXPECT_EQ(motion(bench.operation)->end_work[2], 1.0);
+  EXPECT_EQ(motion(bench.operation)->end_work[0], 0.5);
+  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_TRUE(std::holds_alternative<Rapid>(bench.operation));  // G00 and G90 again
+  EXPECT_EQ(motion(bench.operation)->end_work[0], 2.0);
+  ASSERT_EQ(bench.next(), Pull::operation);
+  EXPECT_FALSE(bench.interpreter.interrupt(here));  // after M97
+}
+
+constexpr const char* kRestarted =
+    "O1\nG90 G54 G0 X1. M3 S500\nT2\n#500=#500+1\n#1=0\nWHILE[#1 LT 5]DO1\n#1=#1+1\nN10 G1 X#1 F100.\nY#1\nEND1\n"
+    "N20 G91 Z-1.\nM30\n";
+
+TEST(Restart, FromASequenceNumberWithItsModalState) {
+  Bench bench;
+  bench.data.common_variables[500] = 7;
+  bench.text = kRestarted;
+  RestartPoint point;
+  point.sequence = 10;
+  point.occurrence = 3;
+  ASSERT_EQ(bench.interpreter.restart(program::source_from_text(bench.text), {}, point), Pull::operation);
+  const RestartState& state = bench.interpreter.restart_state();
+  EXPECT_EQ(state.position[0], 2.0);
+  EXPECT_EQ(state.position[1], 2.0);
+  EXPECT_EQ(state.tool, 2);
+  EXPECT_EQ(state.spindle, 500);
+  EXPECT_EQ(bench.data.common_variables.at(500), 7);  // not counted a second time
+  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_TRUE(std::holds_alternative<Feed>(bench.operation));
+  EXPECT_EQ(motion(bench.operation)->end_work[0], 3.0);
+}
+
+TEST(Restart, FromABlockNumberGivesTheSameRest) {
+  Bench whole;
+  whole.start(kRestarted);
+  std::vector<Operation> all;
+  while (whole.next() == Pull::operation) all.push_back(whole.operation);
+  for (std::size_t from = 1; from < all.size(); ++from) {
+    const Motion* expected = motion(all[from]);
+    const auto block_of = [](const Operation& op) { return std::visit([](const auto& o) { return o.at.block; }, op); };
+    if (expected == nullptr || block_of(all[from - 1]) == expected->at.block) continue;
+    Bench bench;
+    bench.text = kRestarted;
+    RestartPoint point;
+    point.block = expected->at.block;
+    ASSERT_EQ(bench.interpreter.restart(program::source_from_text(bench.text), {}, point), Pull::operation);
+    for (std::size_t i = from; i < all.size(); ++i) {
+      ASSERT_EQ(bench.next(), Pull::operation) << from;
+      if (motion(bench.operation) == nullptr && motion(all[i]) == nullptr) continue;
+      ASSERT_NE(motion(all[i]), nullptr);
+      ASSERT_NE(motion(bench.operation), nullptr);
+      EXPECT_EQ(motion(bench.operation)->end_machine, motion(all[i])->end_machine) << from << ' ' << i;
+      EXPECT_EQ(motion(bench.operation)->at.block, motion(all[i])->at.block);
+    }
+  }
+}
+
+TEST(Restart, ABlockThatIsNotThereIsAnAlarm) {
+  Bench bench;
+  bench.text = kRestarted;
+  RestartPoint point;
+  point.sequence = 99;
+  ASSERT_EQ(bench.interpreter.restart(program::source_from_text(bench.text), {}, point), Pull::finished);
+  EXPECT_EQ(bench.alarm_of_run(), "PS0078");
+}
+
+}  // namespace
+}  // namespace headstock::interp
