@@ -56,6 +56,11 @@ enum class AlarmReason : std::uint8_t {
   data_input,   ///< G10 form
   data_value,   ///< G10 value
   dwell_words,  ///< P and X together
+  // ---- spindle
+  spindle_reversed,     ///< M03 and M04 without M05 between them: as illegal_m
+  spindle_gear,         ///< S that is no gear: as value_range
+  surface_speed_gear,   ///< G96 on a spindle with gears only: as value_range
+  gear_change,          ///< M41-M44 on a spindle that changes no gears: as illegal_m
   // ---- tool life
   life_format,           ///< G10 L3: a word that may not be there: as data_input
   life_group_number,     ///< above the most: as data_input

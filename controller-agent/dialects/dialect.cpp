@@ -23,6 +23,10 @@ using R = AlarmReason;
 
 // Reasons that only some controls print a number of their own for, and whose number the others print.
 constexpr std::pair<R, R> kFinerReasons[] = {
+    {AlarmReason::spindle_reversed, AlarmReason::illegal_m},
+    {AlarmReason::spindle_gear, AlarmReason::value_range},
+    {AlarmReason::surface_speed_gear, AlarmReason::value_range},
+    {AlarmReason::gear_change, AlarmReason::illegal_m},
     {AlarmReason::life_format, AlarmReason::data_input},
     {AlarmReason::life_group_number, AlarmReason::data_input},
     {AlarmReason::life_group_missing, AlarmReason::offset_number},
@@ -118,6 +122,7 @@ void add_g_codes(Dialect& dialect, std::span<const GRow> rows, std::span<const O
       code.phase = cycle->phase;
       code.handler = cycle->handler;
       code.cycle = found = true;
+      code.lead = cycles::f_is_lead(cycle->handler);
     }
     if (!found) broken_table(dialect, row[5]);
     for (std::size_t system = 0; system < 3; ++system) {

@@ -45,6 +45,7 @@ void Executor::set_switches(const Switches& wanted) {
 
   using dialects::Decimal;
   Decimal decimal = data.bit(numbers.decimal_parameter) ? numbers.decimal_when_set : numbers.decimal;
+  if (data.parameter(numbers.standard_when_clear_parameter, 1) == 0) decimal = Decimal::standard;
   if (switches.decimal_point == DecimalPoint::standard) decimal = Decimal::standard;
   if (switches.decimal_point == DecimalPoint::pocket || switches.lenient) decimal = Decimal::pocket;
   pocket = decimal == Decimal::pocket;
@@ -89,7 +90,7 @@ void Executor::power_on(std::uint32_t keep) {
   const auto put_in_force = [this, keep](const GCode& row) {
     if ((keep >> row.group & 1u) != 0) return;
     if (row.group != 0) modal.g[row.group] = row.tenths;
-    if (row.phase == Phase::motion) motion_code = &row;
+    if (row.phase == Phase::motion) motion_code = &row;  // G80 is in force as a setting
     if (row.phase == Phase::setting && row.handler != nullptr) {
       code = &row;
       row.handler(*this);

@@ -212,6 +212,7 @@ struct Executor {
   double dwell_units_a_second() const;
 
   bool thread(bool variable);
+  bool thread_runout(const Thread& whole_thread, const AxisVector& from);
 
   // ---- words with a meaning of their own (feed_spindle.cpp, tool.cpp)
   bool take_feed();

@@ -12,6 +12,7 @@ void add_all_routes(Router& router, Services& services) {
   router.add(program_routes(services));
   router.add(revision_routes(services));
   router.add(transfer_routes(services));
+  router.add(port_routes(services));
 }
 
 }  // namespace headstock::api

@@ -36,3 +36,9 @@ export function moment(iso: string | null | undefined): string {
   if (Number.isNaN(t.getTime())) return unknownText;
   return `${t.getFullYear()}-${two(t.getMonth() + 1)}-${two(t.getDate())} ${two(t.getHours())}:${two(t.getMinutes())}:${two(t.getSeconds())}`;
 }
+
+/// The time of day with milliseconds, for what happens many times a second.
+export function clockTime(iso: string): string {
+  const at = new Date(iso);
+  return `${at.toLocaleTimeString("en-GB")}.${String(at.getMilliseconds()).padStart(3, "0")}`;
+}
