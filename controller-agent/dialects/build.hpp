@@ -32,6 +32,9 @@ void set_alarm_codes(Dialect& dialect, std::string_view otherwise,
 /// What FANUC-like lathes share: M03…M05, M00…M02, M30, M98, M99.
 std::vector<MRule> usual_m_rules();
 
+/// Chamfers, drawing dimensions, radius compensation: data and alarm numbers of the profile (path_rules.cpp).
+void set_path_rules(Dialect& dialect);
+
 Dialect make_fanuc_0i_t();
 Dialect make_fanuc_0i_m();
 Dialect make_gsk_2000tc();

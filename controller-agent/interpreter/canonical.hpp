@@ -233,7 +233,25 @@ struct End {
   bool counts_part = false;
 };
 
-using Operation = std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm,
-                               End, ContourMode, StrokeCheck, SpindleWatch, SecondAuxiliary, PolygonTurning>;
+enum class TapKind : std::uint8_t {
+  rigid,   ///< the control turns the spindle in step with the axis
+  follows  ///< the axis follows the encoder of a spindle that is stopped and reversed at the bottom
+};
+
+/// Tapping, one way in and out: from where the tool stands to `bottom`, reversed, and back to the motion's end, axis and
+/// spindle in step all the way. Feed override, feed hold and single block act only after it.
+struct Tap : Motion {
+  AxisVector bottom_work{};     ///< programming units, X as a diameter where so
+  AxisVector bottom_machine{};  ///< mm
+  TapKind kind = TapKind::rigid;
+  double pitch_mm = 0;  ///< advance a revolution, > 0
+  double rpm = 0;       ///< spindle speed in force; 0 under `follows` when none was commanded
+  SpindleDirection direction = SpindleDirection::cw;  ///< inward; outward is the other one
+  double dwell_s = 0;  ///< at the bottom
+};
+
+using Operation =
+    std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm, End, ContourMode,
+                 StrokeCheck, SpindleWatch, SecondAuxiliary, PolygonTurning, Tap>;
 
 }  // namespace headstock::interp

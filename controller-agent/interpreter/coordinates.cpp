@@ -35,6 +35,7 @@ bool set_coordinates(Executor& ex) {
   // M series: not where the length offset changes in the same block (0i-D 4.16).
   if (!ex.dialect.tools.lathe && (ex.pending_axes != 0 || ex.block.has('H')))
     return ex.alarm(AlarmReason::setting_with_length, ex.code_column, std::string(ex.code->name));
+  ex.pipeline.drop_for_setting();
   return for_axis_words(ex, [&ex](std::size_t i, std::int64_t value, bool by, const program::Word&) {
     ProgramAxis& axis = ex.axes[i];
     const bool add = by || ex.incremental;

@@ -45,11 +45,17 @@ void Executor::set_switches(const Switches& wanted) {
 
   using dialects::Decimal;
   Decimal decimal = data.bit(numbers.decimal_parameter) ? numbers.decimal_when_set : numbers.decimal;
+  if (data.parameter(numbers.standard_when_clear_parameter, 1) == 0) decimal = Decimal::standard;
   if (switches.decimal_point == DecimalPoint::standard) decimal = Decimal::standard;
   if (switches.decimal_point == DecimalPoint::pocket || switches.lenient) decimal = Decimal::pocket;
   pocket = decimal == Decimal::pocket;
 
   lex_rules.semicolon_is_comment = switches.lenient;
+  lex_rules.comma_letters =
+      dialect.corners.comma_parameter.empty() || data.parameter(dialect.corners.comma_parameter, 1) != 0
+          ? dialect.corners.comma_letters
+          : 0;
+  lex_rules.named_letters = dialect.corners.named_letters;
   lex_rules.most_digits = switches.lenient ? 17 : numbers.most_digits;
 
   axis_of.fill(-1);
@@ -84,7 +90,7 @@ void Executor::power_on(std::uint32_t keep) {
   const auto put_in_force = [this, keep](const GCode& row) {
     if ((keep >> row.group & 1u) != 0) return;
     if (row.group != 0) modal.g[row.group] = row.tenths;
-    if (row.phase == Phase::motion) motion_code = &row;
+    if (row.phase == Phase::motion) motion_code = &row;  // G80 is in force as a setting
     if (row.phase == Phase::setting && row.handler != nullptr) {
       code = &row;
       row.handler(*this);
@@ -117,6 +123,7 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   frames.push_back(std::move(frame));
   queue.clear();
   queue_head = 0;
+  cancel_compensation();
   cycle.clear();
   finished = false;
   jumps = 0;
@@ -148,10 +155,12 @@ Pull Executor::next(Operation& wanted) {
         cycle.name = nullptr;
         if (!finished) run_deferred();
       }
+      if (pipeline.active()) pipeline.take(*this);
       if (out_used) return Pull::operation;
       continue;
     }
     const Step result = step();
+    if (pipeline.active()) pipeline.take(*this);
     if (finished) frames.clear();  // the program is left: files are closed, a drip-feed is told
     if (out_used) return Pull::operation;
     if (result == Step::wait) return Pull::wait;
@@ -162,6 +171,7 @@ void Executor::reset(const AxisVector& machine_position) {
   frames.clear();
   queue.clear();
   queue_head = 0;
+  cancel_compensation();
   cycle.clear();
   finished = true;
   clear_modes();
@@ -169,6 +179,14 @@ void Executor::reset(const AxisVector& machine_position) {
   tool_life::leave(*this);
   if (own) own->reset(*this);
   set_position(machine_position);
+}
+
+// A program begins in G40, and RESET leaves it so (0i-D, K2000TC L16153).
+void Executor::cancel_compensation() {
+  pipeline.clear();
+  if (const GCode* cancel = table->find(400); cancel != nullptr && cancel->group != 0) {
+    modal.g[cancel->group] = cancel->tenths;
+  }
 }
 
 void Executor::set_position(const AxisVector& machine_position) {

@@ -22,6 +22,7 @@
 #include "interpreter/interpreter.hpp"
 #include "interpreter/machine_data.hpp"
 #include "interpreter/own_language.hpp"
+#include "interpreter/pipeline.hpp"
 #include "interpreter/polar_command.hpp"
 #include "interpreter/skip.hpp"
 #include "interpreter/surface.hpp"
@@ -95,6 +96,7 @@ struct Executor {
   Pull next(Operation& out);
   void reset(const AxisVector& machine_position);
   void set_position(const AxisVector& machine_position);
+  void cancel_compensation();
   AxisVector to_work(const AxisVector& machine_position, const ModalSnapshot& under) const;
   void skip_ended(const AxisVector& machine_position, bool triggered);  // skip.cpp
   Pull next_on_machine(Operation& out);     // surface.cpp: next(), in the machine's axes
@@ -210,6 +212,7 @@ struct Executor {
   double dwell_units_a_second() const;
 
   bool thread(bool variable);
+  bool thread_runout(const Thread& whole_thread, const AxisVector& from);
 
   // ---- words with a meaning of their own (feed_spindle.cpp, tool.cpp)
   bool take_feed();
@@ -225,6 +228,16 @@ struct Executor {
   char second_auxiliary() const;
   bool take_second_auxiliary(char letter);
   bool apply_tool_offset(std::int64_t geometry, std::int64_t wear, std::uint32_t column);
+
+  // ---- chamfers, corner rounds, angles (corner_words.cpp)
+  /// Reads the block's words for its corner and takes them out of `block.words`. @return false after an alarm.
+  bool take_corner_words();
+  /// After take_targets: the end point that the block's angle gives.
+  bool take_angle(std::uint32_t& moved);
+  bool take_d();
+  bool take_perpendicular(CornerRequest& request);
+  bool open_line();
+  double angle_deg(const program::Word& word) const;
 
   // ---- results
   template <typename T>
@@ -333,6 +346,10 @@ struct Executor {
   std::vector<Frame> frames;
   std::uint64_t jumps = 0;  ///< backwards since the last motion
   bool finished = true;
+
+  // ---- chamfers, corner rounds, G41/G42
+  Pipeline pipeline;
+  std::array<std::int64_t, 2> angle_from{};  ///< programmed position of the plane's axes before an angle block
 
   // ---- results of the block
   Operation* out = nullptr;

@@ -37,7 +37,8 @@ double Executor::feed_value(const program::Word& word) const {
 bool Executor::take_feed() {
   const program::Word& word = block['F'];
   if (action != nullptr && action->handler == handlers::contour_by_q) return true;  // its reference feed
-  if (motion_code->handler == handlers::thread || motion_code->handler == handlers::thread_variable) {
+  if (motion_code->handler == handlers::thread || motion_code->handler == handlers::thread_variable ||
+      motion_code->lead || (action != nullptr && action->lead)) {
     if (!dialect.threads.f_is_feed_too) return true;  // a lead: see thread()
   }
   if (one_digit_feed) {

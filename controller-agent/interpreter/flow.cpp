@@ -96,6 +96,7 @@ Executor::Step Executor::step() {
     return Step::done;
   }
   if (read.status == program::LexStatus::statement) {
+    pipeline.block_read();  // a macro statement counts as a block without movement (0i-D M, K2000TC L19782)
     if (own && own->statement(*this, read.statement, read.column) == OwnLanguage::Taken::done) {
       frame.at_start = false;
       return Step::done;
@@ -114,8 +115,9 @@ Executor::Step Executor::step() {
     }
     if (frame.at_start) frame.number = at.program = block.number;
   }
-  const bool empty = (block.words | block.g_count | block.m_count) == 0;
+  const bool empty = (block.words | block.marked | block.g_count | block.m_count) == 0;
   if (!empty || block.has_sequence) frame.at_start = false;
+  if (!empty) pipeline.block_read();
   if (!empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;
   if (cycle.watch != nullptr) {  // a block of a profile
     const bool has_sequence = block.has_sequence;

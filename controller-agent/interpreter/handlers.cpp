@@ -15,6 +15,10 @@ bool reference_return_n(Executor& ex);
 bool reference_from(Executor& ex);
 bool reference_check(Executor& ex);
 bool data_input(Executor& ex);
+bool compensation_cancel(Executor& ex);
+bool compensation_left(Executor& ex);
+bool compensation_right(Executor& ex);
+bool corner_arc(Executor& ex);
 bool data_input_end(Executor& ex);
 bool dwell(Executor& ex);
 bool skip(Executor& ex);
@@ -152,6 +156,10 @@ constexpr Named kHandlers[] = {
     {"tapping_mode", Phase::setting, cutting_mode<CuttingMode::tapping>},
     {"length_offset", Phase::setting, length_offset},
     {"work_select", Phase::setting, work_select},
+    {"compensation_cancel", Phase::setting, compensation_cancel},
+    {"compensation_left", Phase::setting, compensation_left},
+    {"compensation_right", Phase::setting, compensation_right},
+    {"corner_arc", Phase::action, corner_arc},
     {"exact_stop", Phase::modifier, nullptr},
     {"dwell", Phase::action, dwell},
     {"data_input", Phase::action, data_input},

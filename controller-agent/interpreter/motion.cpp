@@ -1,4 +1,5 @@
 // Axes: units, zero points, targets, straight motion.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -30,6 +31,14 @@ void Executor::set_units(bool inch_now) {
   std::int64_t increment = kNano / 1'000;
   if (data.bit(dialect.numbers.coarse_increment_parameter)) increment = kNano / 100;
   if (data.bit(dialect.numbers.fine_increment_parameter)) increment = kNano / 10'000;
+  const auto of_decimals = [this](std::string_view parameter, std::int64_t otherwise) {
+    const auto set = data.parameters.find(parameter);
+    if (parameter.empty() || set == data.parameters.end()) return otherwise;
+    const double decimals = std::clamp(set->second, 1.0, 4.0);
+    return kNano / program::kPowerOfTen[static_cast<std::size_t>(decimals)];
+  };
+  const std::int64_t rotary_increment = of_decimals(dialect.numbers.rotary_decimals_parameter, increment);
+  increment = of_decimals(dialect.numbers.linear_decimals_parameter, increment);
   linear_increment = inch_now ? increment / 10 : increment;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     ProgramAxis& axis = axes[i];
@@ -37,7 +46,7 @@ void Executor::set_units(bool inch_now) {
     const auto own_bit = [&](std::string_view bit) {  // one for each axis, or one for all
       return !bit.empty() && data.bit(std::string(bit) + '/' + axis.name);
     };
-    axis.increment = axis.rotary ? increment : linear_increment;
+    axis.increment = axis.rotary ? rotary_increment : linear_increment;
     if (own_bit(dialect.numbers.coarse_increment_parameter))
       axis.increment = kNano / (inch_now && !axis.rotary ? 1000 : 100);
     if (own_bit(dialect.numbers.fine_increment_parameter))
@@ -290,14 +299,11 @@ bool Executor::cutting_feed(double path_mm, double& value, FeedUnit& unit) {
 }
 
 bool Executor::feed() {
-  if (const std::uint32_t corner = block.words & dialect.corner_words & ~axis_letters;
-      corner != 0 && code->handler != nullptr && code->tenths == 10) {
-    const char letter = static_cast<char>('A' + std::countr_zero(corner));
-    return alarm(AlarmReason::g_unavailable, block[letter].column, std::string("G01 ") + letter);
-  }
   const AxisVector from = machine_now;
   std::uint32_t moved = 0;
-  if (!take_targets(moved) || !axes_at_once(moved)) return false;
+  if (!take_targets(moved)) return false;
+  if (block.marked != 0 && !take_angle(moved)) return false;
+  if (!axes_at_once(moved)) return false;
   if (moved == 0) return true;
   if (one_digit_rapid) {
     auto& motion = emit<Rapid>();

@@ -16,7 +16,7 @@ constexpr double kWidestPiece = 0.5;
 // Through the pole the rotary axis turns on the spot: no step is short enough for the check there.
 constexpr double kShortestStep = 1e-9;
 
-const Motion* motion_of(const Operation& operation) {
+const Motion* moved_by(const Operation& operation) {
   if (const auto* feed = std::get_if<Feed>(&operation)) return feed;
   return std::get_if<Arc>(&operation);
 }
@@ -27,7 +27,7 @@ void SurfacePath::begin(const Surface& surface, const Operation& move, const Axi
   surface_ = surface;
   move_ = move;
   from_ = from;
-  end_ = motion_of(move_)->end_machine;
+  end_ = moved_by(move_)->end_machine;
   done_ = 0;
   step_ = 1;
   left_ = true;
@@ -112,7 +112,7 @@ void SurfacePath::piece(Operation& out) {
     unit = std::get<Arc>(move_).unit;
   }
   Feed made;
-  static_cast<Motion&>(made) = *motion_of(move_);
+  static_cast<Motion&>(made) = *moved_by(move_);
   made.feed = on_plane > 0 && on_axes > 0 ? feed * on_axes / on_plane : feed;
   made.unit = unit;
   made.skip_signals = skip;

@@ -72,6 +72,13 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
           seen.values["lead"] = op.lead_mm;
           seen.values["change"] = op.lead_change_mm;
           seen.values["angle"] = op.start_angle_deg;
+        } else if constexpr (std::is_same_v<T, interp::Tap>) {
+          common("tap", op);
+          seen.word = op.direction == interp::SpindleDirection::ccw ? "ccw" : "cw";
+          add_axes(seen, machine, "b", op.bottom_work);
+          seen.values["pitch"] = op.pitch_mm;
+          seen.values["rpm"] = op.rpm;
+          seen.values["s"] = op.dwell_s;
         } else if constexpr (std::is_same_v<T, interp::Dwell>) {
           seen.op = "dwell";
           seen.values["s"] = op.seconds;

@@ -167,7 +167,7 @@ Dialect make_common() {
                    {R::arc_increments, "PS5064"}});
   d.m_rules = usual_m_rules();
   d.m_rules.push_back({6, MAction::machine});
-  d.m_rules.push_back({29, MAction::unavailable});   // rigid tapping needs its cycle
+  d.m_rules.push_back({29, MAction::rigid_tapping});
   d.m_rules.push_back({198, MAction::unavailable});  // call from an external device
   d.numbers.decimal_parameter = "3401#0";            // DPI
   d.numbers.coarse_increment_parameter = "1013#0";
@@ -224,6 +224,7 @@ Dialect make_fanuc_0i_t() {
   d.set_alarm_code(R::thread_lead_change, "PS0313");
   add_g_codes(d, tables::gcodes_fanuc_0i_t);
   d.incremental_letters[0] = true;  // U W V H (8.1)
+  d.hole_clamp_parameter = "5110";
   d.arcs.negative_r = false;        // PS0023 is a T alarm
   d.tools = {.lathe = true,
              .offset_digits = 2,
