@@ -90,10 +90,11 @@ Text look_at(const std::string& file, std::int64_t wanted) {
   return text;
 }
 
-/// Codes that one word brings back, those that mean that nothing is on, and all others: refused.
+/// Codes that one word brings back and those that mean that nothing is on. Besides these only what a reset leaves in force
+/// anyway is accepted; all others are refused.
 constexpr std::array<int, 22> kBroughtBack = {170, 180, 190, 200, 210, 540, 550, 560, 570, 580, 590,
                                               610, 640, 940, 950, 960, 970, 980, 990, 900, 910, 541};
-constexpr std::array<int, 15> kNothingOn = {131, 150, 230, 260, 400, 490, 500, 501,
+constexpr std::array<int, 16> kNothingOn = {131, 150, 230, 260, 400, 401, 490, 500, 501,
                                             505, 670, 690, 800, 220, 250, 251};
 
 template <std::size_t N>
@@ -119,7 +120,7 @@ std::string code_text(int code) {
 
 /// What is collected on the way besides the modal codes.
 struct Seen {
-  interp::ModalSnapshot modal;
+  interp::ModalSnapshot after_reset, modal;
   interp::AxisVector end{};
   std::uint32_t moved = 0;
   interp::SpindleDirection spindle = interp::SpindleDirection::stop;
@@ -151,7 +152,9 @@ void note(const interp::Operation& operation, Seen& seen) {
 
 /// @return a reason and what it is about, empty when plain blocks can bring everything back.
 std::pair<std::string, std::string> obstacle(const Seen& seen) {
-  for (const int code : seen.modal.g) {
+  for (std::size_t group = 0; group < seen.modal.g.size(); ++group) {
+    const int code = seen.modal.g[group];
+    if (code == seen.after_reset.g[group]) continue;
     if (code < 0 || (code >= 0 && code <= 30) || among(kBroughtBack, code) || among(kNothingOn, code))
       continue;
     if (code == 410 || code == 420 || code == 411 || code == 421)
@@ -248,8 +251,9 @@ Restart run_restart(const CheckJob& job, std::int64_t line) {
   interp::Interpreter interpreter(*dialect, setup.machine, setup.data, setup.neighbours.get());
   interp::AxisVector start{};
   for (std::size_t i = 0; i < setup.machine.axes.size(); ++i) start[i] = setup.machine.axes[i].reference_mm;
-  interpreter.start(std::make_unique<Beginning>(job.file, text.offset), start);
   Seen seen;
+  seen.after_reset = interpreter.modal();
+  interpreter.start(std::make_unique<Beginning>(job.file, text.offset), start);
   interp::Operation operation;
   for (std::int64_t count = 0; interpreter.next(operation) == interp::Pull::operation; ++count) {
     if (job.cancel != nullptr && (count & 1023) == 0 && *job.cancel) return refuse("cancelled", "");

@@ -170,7 +170,7 @@ TEST_F(DncTest, WhatIsInTheLibraryAlreadyNeedsNoDecision) {
   EXPECT_EQ(take_apart("", true, settings, port, blobs).reason, "punch_empty");
   auto iso = settings;
   iso.link.code = tape::Code::iso;
-  EXPECT_EQ(take_apart("G0\n", true, iso, port, blobs).reason, "punch_parity");
+  EXPECT_EQ(take_apart("G1\n", true, iso, port, blobs).reason, "punch_parity");
   const auto offsets = take_apart("%\nG10 P1 X0.1 Z0.2 R0 Q0\n%\n", true, settings, port, blobs);
   EXPECT_EQ(offsets.pieces.at(0).row.kind, "tool_offsets");
 }
