@@ -127,7 +127,7 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     await dialog.locator("[data-field=line]").fill("20");
     await dialog.locator("[data-action=ask-restart]").click();
     const header = dialog.locator("[data-field=header]");
-    await until("the header", async () => (await header.inputValue()).includes("S2000. M03"));
+    await until("the header", async () => (await header.inputValue()).includes("S2000 M03"));
     assert.ok(await dialog.locator("[data-action=send-now]").isDisabled());
     await shoot("dnc-restart-en");
     await dialog.locator("[data-field=read]").check();

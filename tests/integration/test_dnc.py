@@ -116,7 +116,7 @@ class Sending(DncTest):
         port = self.port(control.device)
         asked = self.api.post(f"/ports/{port}/restart", {**wish, "line": 8})
         self.assertIsNone(asked["error"], asked)
-        self.assertIn("S2000. M03", asked["header"])
+        self.assertIn("S2000 M03", asked["header"])
         with self.assertRaisesRegex(Exception, "header_missing"):
             self.api.post(f"/ports/{port}/send", {**wish, "from_line": 8})
         sent = self.api.post(f"/ports/{port}/send", {**wish, "from_line": 8, "header": asked["header"]})
