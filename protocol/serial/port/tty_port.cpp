@@ -67,9 +67,10 @@ class TtyPort final : public Port, public std::enable_shared_from_this<TtyPort> 
     listener_ = nullptr;
     look_.cancel();
     if (!descriptor_.is_open()) return;
-    // A close waits for what is queued, on a stopped line for half a minute.
+    // A close waits for what is queued, on a stopped line for half a minute: that is thrown away. With nothing queued
+    // a transfer is over, and its last characters may still stand in an adapter: those are not touched.
     hold_output(false);
-    tty::discard(fd());
+    if (queued() > 0) tty::discard(fd());
     error_code ignored;
     descriptor_.close(ignored);
   }
