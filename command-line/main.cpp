@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   headstock::client::Context context;
   headstock::offline::add_interpret(app, context.status);
   headstock::offline::add_check(app, context.status);
+  headstock::offline::add_plot(app, context.status);
   headstock::offline::add_profile(app, context.status);
   headstock::offline::add_simulate(app, context.status);
   headstock::offline::add_convert_tape(app, context.status);

@@ -40,6 +40,7 @@ void add_account_commands(CLI::App& app, Context& context);   // login, logout, 
 void add_machine_commands(CLI::App& app, Context& context);   // machines, alarms, parts
 void add_program_commands(CLI::App& app, Context& context);   // programs …
 void add_operate_commands(CLI::App& app, Context& context);   // run, hold, reset, drip, watch
+void add_port_commands(CLI::App& app, Context& context);      // ports, received
 
 /// Adds --json, --lang, --session and all groups.
 void add_client(CLI::App& app, Context& context);

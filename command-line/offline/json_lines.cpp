@@ -166,6 +166,14 @@ void JsonLines::append(const interp::Operation& operation, std::string& out) con
           r.value("lead", op.lead_mm);
           if (op.lead_change_mm != 0) r.value("lead_change", op.lead_change_mm);
           if (op.start_angle_deg != 0) r.value("angle", op.start_angle_deg);
+        } else if constexpr (std::is_same_v<T, interp::Tap>) {
+          r.motion("tap", op);
+          r.axes("bottom", op.bottom_work, 0xff);
+          r.value("pitch", op.pitch_mm);
+          r.value("rpm", op.rpm);
+          r.word("dir", op.direction == interp::SpindleDirection::ccw ? "ccw" : "cw");
+          if (op.kind == interp::TapKind::follows) r.truth("follows", true);
+          if (op.dwell_s != 0) r.value("s", op.dwell_s);
         } else if constexpr (std::is_same_v<T, interp::Dwell>) {
           r.begin("dwell", op.at);
           r.value("s", op.seconds);
@@ -228,6 +236,11 @@ void JsonLines::append(const interp::Operation& operation, std::string& out) con
             r.value("ratio", op.ratio);
             r.value("width", op.width_rpm);
           }
+        } else if constexpr (std::is_same_v<T, interp::PolygonTurning>) {
+          r.begin("polygon", op.at);
+          r.truth("on", op.on);
+          r.count("p", op.spindle_ratio);
+          r.count("q", op.tool_ratio);
         } else if constexpr (std::is_same_v<T, interp::SecondAuxiliary>) {
           r.begin("aux", op.at);
           r.count("code", op.code);

@@ -12,6 +12,8 @@ namespace headstock::offline {
 void add_interpret(CLI::App& app, int& exit_status);
 /// `headstock check`: alarms of programs, one line each.
 void add_check(CLI::App& app, int& exit_status);
+/// `headstock plot`: a program's path as SVG.
+void add_plot(CLI::App& app, int& exit_status);
 /// `headstock profile`: what a controller's catalogue holds, and which codes are carried out.
 void add_profile(CLI::App& app, int& exit_status);
 /// `headstock convert-tape`: ISO, EIA and ASCII tape codes.

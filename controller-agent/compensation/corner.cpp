@@ -25,8 +25,8 @@ bool point_at(const Segment& segment, bool from_end, double distance, Point& out
   if (angle > segment.sweep + kSlack_mm / radius) return false;
   const Point arm = (from_end ? segment.to : segment.from) - segment.center;
   const double by = segment.turn * (from_end ? -angle : angle);
-  out = segment.center + Point{arm.u * std::cos(by) - arm.v * std::sin(by),
-                               arm.u * std::sin(by) + arm.v * std::cos(by)};
+  out = segment.center +
+        Point{arm.u * std::cos(by) - arm.v * std::sin(by), arm.u * std::sin(by) + arm.v * std::cos(by)};
   return true;
 }
 
@@ -51,7 +51,8 @@ bool touch_point(const Segment& segment, Point center, bool near_end, Point& out
 }
 
 bool chamfer(const Segment& a, const Segment& b, double size, ChamferSize meaning, Point& start, Point& end) {
-  if (meaning == ChamferSize::cut_back) return point_at(a, true, size, start) && point_at(b, false, size, end);
+  if (meaning == ChamferSize::cut_back)
+    return point_at(a, true, size, start) && point_at(b, false, size, end);
   // Equal distances from the corner whose chord has the length: by halving, arcs have no formula.
   double low = 0, high = std::min(a.length_mm(), b.length_mm()) + kSlack_mm;
   while (high > 1e-6 && !(point_at(a, true, high, start) && point_at(b, false, high, end))) high *= 0.999;
@@ -86,8 +87,7 @@ CutCorner cut_corner(const Segment& first, const Segment& second, CornerShape sh
         intersect(offset_curve(first, side * size, true), offset_curve(second, side * size, false));
     if (centers.count == 0) return cut;
     Point center = centers.point[0];
-    if (centers.count == 2 &&
-        length(centers.point[1] - first.to) < length(centers.point[0] - first.to)) {
+    if (centers.count == 2 && length(centers.point[1] - first.to) < length(centers.point[0] - first.to)) {
       center = centers.point[1];
     }
     if (!touch_point(first, center, true, start) || !touch_point(second, center, false, end)) return cut;

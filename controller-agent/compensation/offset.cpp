@@ -6,8 +6,9 @@ namespace headstock::comp {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kStraightOn = 1e-7;        // rad
-constexpr double kNearlyTangent = 2 * kDegree;  // end points are rounded: offset paths may just miss each other
+constexpr double kStraightOn = 1e-7;  // rad
+constexpr double kNearlyTangent =
+    2 * kDegree;  // end points are rounded: offset paths may just miss each other
 constexpr double kAgainst_mm = 1e-6;
 
 struct Turn {
@@ -143,7 +144,8 @@ Vectors change_side(const Segment& a, double r_a, const Segment& b, double r_b) 
   for (int i = 0; i < at.count; ++i) {
     const Point vector = at.point[static_cast<std::size_t>(i)] - a.to;
     if (length(vector) > reach) continue;
-    if (best == nullptr || length(vector) < length(*best - a.to)) best = &at.point[static_cast<std::size_t>(i)];
+    if (best == nullptr || length(vector) < length(*best - a.to))
+      best = &at.point[static_cast<std::size_t>(i)];
   }
   if (best != nullptr) return single(*best - a.to);
   Vectors v;

@@ -29,7 +29,7 @@ struct Vectors {
   std::size_t count = 0;
   bool circular = false;  ///< at[0] → at[1] is an arc about the corner
   double turn = 0;        ///< its sense
-  int bare = -1;          ///< index of the vector that is no offset at all (G50 within compensation); -1: none
+  int bare = -1;  ///< index of the vector that is no offset at all (G50 within compensation); -1: none
 
   void add(Point vector) {
     if (count < kMost) at[count++] = vector;
@@ -51,7 +51,8 @@ enum class StartType : std::uint8_t {
 
 struct OffsetRules {
   StartType start = StartType::a;
-  bool start_by_normal = false;  ///< type B, obtuse: by the normal of the start-up block, then to the crossing
+  bool start_by_normal =
+      false;  ///< type B, obtuse: by the normal of the start-up block, then to the crossing
   bool circular_outside = false;
 };
 

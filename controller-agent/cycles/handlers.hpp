@@ -16,5 +16,21 @@ bool stock_removal_turning(interp::Executor& ex);  // G71
 bool stock_removal_facing(interp::Executor& ex);   // G72
 bool pattern_repeating(interp::Executor& ex);      // G73
 bool finishing(interp::Executor& ex);              // G70
+// single_cycles.cpp
+bool turning_box(interp::Executor& ex);   // G90
+bool thread_box(interp::Executor& ex);    // G92
+bool facing_box(interp::Executor& ex);    // G94
+bool face_pecking(interp::Executor& ex);  // G74
+bool side_pecking(interp::Executor& ex);  // G75
+// threading_cycle.cpp
+bool multiple_threading(interp::Executor& ex);  // G76
+bool thread_again(interp::Executor& ex);        // G192
+// hole_cycles.cpp
+bool hole_cycle(interp::Executor& ex);
+bool hole_cancel(interp::Executor& ex);
+bool tapping(interp::Executor& ex);
+
+/// Whether F of the cycle is a lead.
+bool f_is_lead(dialects::Handler handler);
 
 }  // namespace headstock::cycles

@@ -317,6 +317,8 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   const std::size_t queue_head = std::exchange(ex.queue_head, 0);
   Operation made;
   ex.out = &made;
+  interp::Pipeline pipeline = std::exchange(ex.pipeline, {});
+  ex.pipeline.corners_only();  // the profile is roughed as it is written, with its chamfers and rounds
   auto watch = std::make_unique<Reading>(rules, range, depth);
   Reading& reading = *watch;
   ex.cycle.watch = std::move(watch);
@@ -351,6 +353,7 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   while (!reading.over() && !ex.finished && !stuck) {
     ex.out_used = false;
     stuck = ex.step() == Executor::Step::wait;
+    if (ex.pipeline.active()) ex.pipeline.take(ex);
     if (reading.count() == 1) {
       if (ex.out_used) profile.first_rapid = !std::holds_alternative<interp::Feed>(made);
     }
@@ -360,6 +363,8 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
     if (reading.count() <= 1) profile.approach = profile.segments.size();
   }
 
+  const bool corner_open = ex.pipeline.holds_corner();
+  ex.pipeline = std::move(pipeline);
   const auto words = reading.first_words();
   const auto named = [&](char a, char b) {
     return (words & (program::letter_bit(a) | program::letter_bit(b))) != 0;
@@ -383,6 +388,7 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   before.restore(ex);
   if (stuck || !reading.over())
     return fail(ex, rules, Fault::not_found, 'Q', "N" + std::to_string(range.last));
+  if (corner_open) return ex.alarm(interp::AlarmReason::corner_profile_end, 0, "Q");
   if (wrong_axis) return fail(ex, rules, Fault::wrong_plane, 'P');
   if (profile.segments.empty()) return fail(ex, rules, Fault::not_found, 'P', "no motion");
 

@@ -91,13 +91,16 @@ Backward backward(const Roughing& job) {
   return worst;
 }
 
-std::size_t most_moves(const Roughing& job) {
+double levels(const Roughing& job) {
   const View view = view_of(job);
   double low = view.to(job.start).v;
   for (const Segment& s : job.profile) low = std::min(low, range_v(view.to(s))[0]);
-  const double levels = std::ceil((view.to(job.start).v - low) / job.depth) + 2;
+  return std::ceil((view.to(job.start).v - low) / job.depth);
+}
+
+std::size_t most_moves(const Roughing& job) {
   // Pockets: every level may cut as many intervals as there are segments, and follow every segment once more.
-  return static_cast<std::size_t>(levels) * (6 * job.profile.size() + 8) + 3 * job.profile.size() + 8;
+  return static_cast<std::size_t>(levels(job) + 2) * (6 * job.profile.size() + 8) + 3 * job.profile.size() + 8;
 }
 
 Moves parallel_cuts(Roughing job) {

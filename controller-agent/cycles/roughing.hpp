@@ -41,6 +41,8 @@ Backward backward(const Roughing& job);
 Moves parallel_cuts(Roughing job);
 /// Cuts of type II, pocket after pocket. Needs a profile that is monotonic along the cuts.
 Moves pocket_cuts(Roughing job);
+/// Levels between the start point and the lowest point of the profile.
+double levels(const Roughing& job);
 /// Most moves that `parallel_cuts` or `pocket_cuts` can make.
 std::size_t most_moves(const Roughing& job);
 

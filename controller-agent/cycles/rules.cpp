@@ -46,6 +46,7 @@ Rules fanuc_t() {
               {F::box_axis, "PS0330"},
               {F::thread_lead, "PS0011"},
               {F::thread_height, "PS0062"},
+              {F::thread_first_depth, "PS0062"},
               {F::thread_depths, "PS0062"},
               {F::thread_angle, "PS0062"},
               {F::thread_in_vain, "PS0062"},
@@ -62,12 +63,15 @@ Rules fanuc_t() {
                   .relief_along = "5136",
                   .passes = "5137",
                   .peck_retract = "5139",
+                  .peck_full_retract = {},
                   .runout = "5130",
                   .runout_angle = "5131",
                   .finish_passes = "5142",
                   .tip_angle = "5143",
                   .least_depth = "5140",
                   .finish_allowance = "5141",
+                  .thread_start = {},
+                  .thread_method = {},
                   .tolerance_along = "5145",
                   .tolerance_across = "5146",
                   .no_contour_1 = "5105#1",
@@ -78,6 +82,9 @@ Rules fanuc_t() {
   r.return_by_allowance = true;
   r.one_block_form = true;
   r.one_block_parameter = "0001#1";
+  r.tip_angles = kTips;
+  r.holes = HoleFamily::turning;
+  r.r_from_initial = true;
   r.angle_word = true;
   return r;
 }
@@ -102,6 +109,7 @@ Rules gsk_2000tc() {
               {F::above_start, "150"},
               {F::thread_lead, "018"},
               {F::thread_height, "052"},
+              {F::thread_first_depth, "056"},
               {F::peck, "144"},
               {F::unfinished, "010"}});
   r.parameters = {.depth = "P051",
@@ -110,12 +118,15 @@ Rules gsk_2000tc() {
                   .relief_along = "P054",
                   .passes = "P055",
                   .peck_retract = "P056",
+                  .peck_full_retract = {},
                   .runout = "P019",
                   .runout_angle = {},
                   .finish_passes = "P057",
                   .tip_angle = "P058",
                   .least_depth = "P059",
                   .finish_allowance = "P060",
+                  .thread_start = {},
+                  .thread_method = {},
                   .tolerance_along = {},
                   .tolerance_across = {},
                   .no_contour_1 = {},
@@ -123,6 +134,7 @@ Rules gsk_2000tc() {
                   .peck_clearance = {},
                   .peck_back = {}};
   r.check = Check::by_k_word;
+  r.rigid_tap_parameter = "S213.0";
   r.level_cut_at_start = false;
   r.must_follow = true;
   r.least_passes = 2;
@@ -130,7 +142,9 @@ Rules gsk_2000tc() {
   r.peck_across_diameter = true;
   r.runout_default = 5;
   r.starts_word = true;
-  r.runout_words = true;
+  r.runout_form = RunoutForm::lengths;
+  r.peck_needed = true;
+  r.least_from_root = true;
   return r;
 }
 
@@ -158,6 +172,7 @@ Rules gsk_218t() {
               {F::taper, "152"},
               {F::thread_lead, "153"},
               {F::thread_height, "052"},
+              {F::thread_first_depth, "052"},
               {F::thread_depths, "051"},
               {F::thread_angle, "050"},
               {F::thread_in_vain, "144"},
@@ -174,12 +189,15 @@ Rules gsk_218t() {
   r.parameters.finish_allowance = "P080";
   r.parameters.runout = "P068";
   r.check = Check::always;
+  r.rigid_tap_parameter = {};
   r.level_cut_at_start = true;
   r.least_passes = 1;
   r.most_blocks = 30;
   r.peck_unit_mm = 0;
   r.depth_unit_mm = 0;
   r.tip_angles = kTips;
+  r.half_runout_is_45 = true;
+  r.least_from_root = false;
   return r;
 }
 
@@ -204,6 +222,7 @@ Rules k2000tc() {
               {F::wrong_plane, "PS0391"},
               {F::thread_lead, "PS0014"},
               {F::thread_height, "PS0259"},
+              {F::thread_first_depth, "PS0259"},
               {F::thread_depths, "PS0259"},
               {F::hole_k, "PS0195"},
               {F::rigid_speed, "PS0011"},
@@ -216,12 +235,15 @@ Rules k2000tc() {
                   .relief_along = "P3315",
                   .passes = "P3316",
                   .peck_retract = "P3317",
+                  .peck_full_retract = "P3300.2",
                   .runout = {},
                   .runout_angle = {},
                   .finish_passes = "P3320",
                   .tip_angle = "P3321",
                   .least_depth = "P3318",
                   .finish_allowance = "P3319",
+                  .thread_start = "P3323",
+                  .thread_method = "P3322",
                   .tolerance_along = {},
                   .tolerance_across = {},
                   .no_contour_1 = {},
@@ -231,10 +253,16 @@ Rules k2000tc() {
   r.shapes = Shapes::pockets;
   r.check = Check::unless_parameter;
   r.check_off_parameter = "P3301.5";
+  r.holes = HoleFamily::k2000;
+  r.r_as_axis = true;
   r.contour_pass = false;  // L13389: the contour has been followed on the way
   r.contour_out_parameter = "P3301.7";
   r.angle_word = true;
   r.starts_word = true;
+  r.starts_parameter = "P6300.6";
+  r.runout_form = RunoutForm::width;
+  r.runout_width_parameter = "P6300.7";
+  r.runout_default = 10;
   return r;
 }
 
@@ -242,10 +270,17 @@ Rules lathe_200t() {
   Rules r;
   r.profile = "lathe-200t";
   set_alarms(r, "A23", {{F::thread_lead, "A19"}, {F::thread_in_vain, "A19"}});
+  // No numbered parameters: the values of G76's first block are kept under names of ours.
+  r.parameters.finish_passes = "G76.m";
+  r.parameters.tip_angle = "G76.a";
+  r.parameters.least_depth = "G76.Q";
+  r.parameters.finish_allowance = "G76.R";
   r.depth_unit_mm = 0;
   r.peck_unit_mm = 0;
+  r.holes = HoleFamily::lathe_200t;
   r.starts_word = true;
-  r.runout_words = true;
+  r.runout_form = RunoutForm::position;
+  r.steps_from_last_end = true;
   r.tip_angles = kTips200;
   r.infer_angle_60 = true;
   return r;
@@ -254,6 +289,8 @@ Rules lathe_200t() {
 Rules fanuc_m() {
   Rules r = fanuc_t();
   r.profile = "fanuc-0i-m";
+  r.holes = HoleFamily::mill;
+  r.r_from_initial = false;
   return r;
 }
 

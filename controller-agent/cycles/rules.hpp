@@ -40,8 +40,9 @@ enum class Fault : std::uint8_t {
   taper,     ///< R against U, W
   box_axis,  ///< an axis that the cycle does not have
   thread_lead,
-  thread_height,  ///< G76 height or first depth missing or not positive
-  thread_depths,  ///< finishing allowance or least depth against the height
+  thread_height,       ///< G76 height missing or not positive
+  thread_first_depth,  ///< first depth missing or not positive
+  thread_depths,       ///< finishing allowance or least depth against the height
   thread_angle,
   thread_in_vain,  ///< no depth: inside or outside unknown
   // ---- holes
@@ -60,12 +61,14 @@ enum class Fault : std::uint8_t {
 
 /// Names of the parameters that hold a cycle's values; empty: the control has none.
 struct Parameters {
-  std::string_view depth, retract;                                           ///< G71, G72 [mm]
-  std::string_view relief_across, relief_along, passes;                      ///< G73
-  std::string_view peck_retract;                                             ///< G74, G75
-  std::string_view runout;                                                   ///< thread run-out, 0.1 lead
-  std::string_view runout_angle;                                             ///< degrees
+  std::string_view depth, retract;                       ///< G71, G72 [mm]
+  std::string_view relief_across, relief_along, passes;  ///< G73
+  std::string_view peck_retract;                         ///< G74, G75
+  std::string_view peck_full_retract;                    ///< bit: back to the start after every peck
+  std::string_view runout;                               ///< thread run-out, 0.1 lead
+  std::string_view runout_angle;                         ///< degrees
   std::string_view finish_passes, tip_angle, least_depth, finish_allowance;  ///< G76
+  std::string_view thread_start, thread_method;                              ///< G76 E s n
   std::string_view tolerance_along, tolerance_across;                        ///< of the monotonic check [mm]
   std::string_view no_contour_1, no_contour_2;  ///< bits: no contour pass, type I and II
   std::string_view peck_clearance, peck_back;   ///< G83 (return to R), G73 (high speed) [mm]
@@ -75,6 +78,15 @@ enum class Shapes : std::uint8_t {
   parallel,        ///< type I only
   by_first_block,  ///< type II when the first block moves both axes
   pockets          ///< always
+};
+/// Whose hole cycles: the tables are in hole_cycles.cpp.
+enum class HoleFamily : std::uint8_t { none, mill, turning, k2000, lathe_200t };
+/// How the run-out of a thread cycle is given.
+enum class RunoutForm : std::uint8_t {
+  parameter,  ///< 0.1 lead and an angle, by parameters
+  lengths,    ///< J across, K along, otherwise a parameter
+  position,   ///< P 0.1 lead before the end, J across (200T)
+  width       ///< P or r in 0.1 lead (K2000TC)
 };
 enum class Check : std::uint8_t { always, by_k_word, unless_parameter };
 
@@ -99,14 +111,26 @@ struct Rules {
   // ---- pecks
   bool peck_across_diameter = false;  ///< P of G74/G75 follows diameter programming
   double peck_unit_mm = 0.001;        ///< of P and Q without a point; 0: as other lengths
+  bool peck_needed = false;           ///< Q of G74, P of G75 must be written
   // ---- threads
-  double runout_default = 0;                 ///< 0.1 lead
-  bool starts_word = false;                  ///< L: number of starts
-  bool runout_words = false;                 ///< J, K
-  bool angle_word = false;                   ///< Q: start angle
-  double depth_unit_mm = 0.001;              ///< of P and Q of G76 without a point; 0: as other lengths
+  double runout_default = 0;          ///< 0.1 lead
+  bool starts_word = false;           ///< L: number of starts
+  std::string_view starts_parameter;  ///< bit that allows L and Q; empty: always
+  RunoutForm runout_form = RunoutForm::parameter;
+  bool half_runout_is_45 = false;           ///< J or K alone: the same length both ways (218T)
+  std::string_view runout_width_parameter;  ///< bit that makes the width P work (K2000TC)
+  bool steps_from_last_end = false;         ///< U, W of a repeated cycle count from the last cut's end
+  bool angle_word = false;                  ///< Q: start angle
+  double depth_unit_mm = 0.001;             ///< of P and Q of G76 without a point; 0: as other lengths
+  bool least_from_root = false;  ///< the least cut counts from Δd·√(n-1), not from the last depth
   const std::int64_t* tip_angles = nullptr;  ///< allowed, ends with -1; nullptr: any up to 99
   bool infer_angle_60 = false;               ///< another angle counts as 60 (200T)
+
+  // ---- holes
+  HoleFamily holes = HoleFamily::none;
+  bool r_from_initial = false;           ///< R is always a distance from the initial level
+  bool r_as_axis = false;                ///< R counts as words of the drilling axis do (diameter)
+  std::string_view rigid_tap_parameter;  ///< bit: G84 of the 2000TC is rigid
 
   std::string_view code(Fault fault) const { return alarms[static_cast<std::size_t>(fault)]; }
 };

@@ -1,5 +1,6 @@
 // G70-G73: their blocks' words and alarms; the cuts are planned in roughing.cpp and pockets.cpp.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "cycles/handlers.hpp"
@@ -12,8 +13,19 @@ namespace {
 
 using interp::Executor;
 
+constexpr double kMostLevels = 100'000;  // ours: less per cut than any tool takes
+
 bool second_block(const program::Block& b) {
   return b.has('P') || b.has('Q');
+}
+
+// A letter that the cycle does not know is an alarm: U, V, W of another plane above all.
+bool only_letters(Executor& ex, const Rules& rules, const PlaneAxes& axes, const char* others) {
+  const std::uint32_t known = program::letters(others) | program::letter_bit(axes.u_step) | program::letter_bit(axes.v_step);
+  const std::uint32_t wrong = ex.block.words & ~known;
+  if (wrong == 0) return true;
+  const char letter = static_cast<char>('A' + std::countr_zero(wrong));
+  return fail(ex, rules, program::letter_bit(letter) & program::letters("UVW") ? Fault::wrong_plane : Fault::value, letter);
 }
 
 // Δd and e of the first block: kept in parameters until changed.
@@ -72,7 +84,7 @@ bool stock_removal(Executor& ex, bool facing) {
   const Rules& rules = rules_of(ex.dialect);
   const program::Block& b = ex.block;
   PlaneAxes axes;
-  if (!plane_axes(ex, rules, axes)) return false;
+  if (!plane_axes(ex, rules, axes) || !only_letters(ex, rules, axes, "PQRDKFST")) return false;
   const char depth_letter = facing ? axes.u_step : axes.v_step;
   const bool one_block = rules.one_block_form && (ex.data.bit(rules.one_block_parameter) || b.has('D'));
   if (!second_block(b)) return keep_depth(ex, rules, depth_letter);
@@ -108,6 +120,7 @@ bool stock_removal(Executor& ex, bool facing) {
   job.contour_pass = rules.contour_pass &&
                      !ex.data.bit(pockets ? rules.parameters.no_contour_2 : rules.parameters.no_contour_1);
   job.contour_out = rules.contour_out_parameter.empty() || ex.data.bit(rules.contour_out_parameter);
+  if (levels(job) > kMostLevels) return fail(ex, rules, Fault::depth, one_block ? 'D' : depth_letter, "too many cuts");
   if (!check_monotonic(ex, rules, job, pockets)) return false;
   if (above_start(job) > kTiny) return fail(ex, rules, Fault::above_start, 'P');
   if (pockets &&
@@ -134,7 +147,7 @@ bool pattern_repeating(Executor& ex) {
   const Rules& rules = rules_of(ex.dialect);
   const program::Block& b = ex.block;
   PlaneAxes axes;
-  if (!plane_axes(ex, rules, axes)) return false;
+  if (!plane_axes(ex, rules, axes) || !only_letters(ex, rules, axes, "PQRDIKFST")) return false;
   const bool one_block = rules.one_block_form && (ex.data.bit(rules.one_block_parameter) || b.has('D'));
   Pattern job;
   if (!second_block(b)) {  // relief as radius, both signed; passes

@@ -56,6 +56,11 @@ enum class AlarmReason : std::uint8_t {
   data_input,   ///< G10 form
   data_value,   ///< G10 value
   dwell_words,  ///< P and X together
+  // ---- spindle
+  spindle_reversed,     ///< M03 and M04 without M05 between them: as illegal_m
+  spindle_gear,         ///< S that is no gear: as value_range
+  surface_speed_gear,   ///< G96 on a spindle with gears only: as value_range
+  gear_change,          ///< M41-M44 on a spindle that changes no gears: as illegal_m
   // ---- tool life
   life_format,           ///< G10 L3: a word that may not be there: as data_input
   life_group_number,     ///< above the most: as data_input
@@ -117,6 +122,36 @@ enum class AlarmReason : std::uint8_t {
   external_not_found,    ///< M198: no such file
   external_twice,        ///< M198 in a program called by M198
   endless_loop,  ///< jumps without end and without motion: ours, controllers just hang
+  // ---- chamfers, corner rounds, drawing dimensions
+  corner_words,         ///< more than one of I J K R, or chamfer and round together
+  corner_thread,        ///< in a thread block
+  corner_no_move,       ///< the next block has no move
+  corner_not_feed,      ///< the next block is no G01, or leads another way
+  corner_taper,         ///< both axes move in a block with I K R
+  corner_axis,          ///< I with X, K with Z
+  corner_too_large,     ///< the move is shorter than the chamfer or round
+  corner_comma,         ///< a comma where there is none, or in a block that cannot have it
+  corner_profile_end,   ///< the last block of a cycle's profile has one
+  corner_unavailable,   ///< switched off by parameter
+  drawing_no_end,       ///< no end point and angle after a block with an angle only
+  drawing_no_solution,  ///< the end point cannot be computed
+  drawing_parallel,     ///< the two lines do not meet
+  drawing_blocks,       ///< too many blocks without motion inside
+  drawing_incremental,  ///< the second block of an open line is not absolute
+  // ---- radius compensation
+  compensation_no_crossing,
+  compensation_start_arc,   ///< G02/G03 in a start-up or cancel block
+  compensation_side,        ///< the side changes right after the start-up block
+  compensation_number,      ///< G41/G42 with offset number 0
+  compensation_plane,       ///< the plane changes
+  compensation_arc_centre,  ///< an inside arc exactly as large as the tool
+  compensation_overcut,     ///< an inside arc smaller than the tool
+  compensation_corner,      ///< chamfer or round together with start-up, cancel or side change
+  compensation_interference,
+  compensation_quiet_blocks,  ///< too many blocks without motion
+  compensation_refused,       ///< a function that needs G40
+  compensation_call,          ///< M98/M99 needs G40
+  corner_arc_with_move,       ///< G39 with a move
   // ---- modes: coordinates, skip, data input. A dialect without a number for one of these uses that of the
   // reason named behind it (see dialect.cpp).
   g_not_now,               ///< a code that another mode forbids: as illegal_g
@@ -152,6 +187,13 @@ enum class AlarmReason : std::uint8_t {
   too_many_axes,           ///< more axes at once than the control interpolates: as illegal_address
   single_direction_axis,   ///< G60
   spindle_number,          ///< P of S or G96.1: as value_range
+  polygon_again,           ///< polygon turning commanded in its own mode: as illegal_g
+  polygon_words,           ///< P or Q missing or out of range: as value_range
+  polygon_alone,           ///< polygon codes stand alone: as stand_alone
+  polygon_axis,            ///< no tool axis set: as illegal_g
+  m_combination,           ///< M codes that must stand alone: as too_many_m
+  position_overflow,       ///< a position beyond what the control can count: as value_range
+  arc_increments,          ///< axes of the plane with different increment systems: as arc_plane
   count_                   // number of reasons
 };
 

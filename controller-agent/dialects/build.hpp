@@ -36,6 +36,8 @@ std::vector<MRule> usual_m_rules();
 void add_fanuc_macros(Dialect& dialect);
 void add_gsk_2000tc_macros(Dialect& dialect);
 void add_gsk_218t_macros(Dialect& dialect);
+/// Chamfers, drawing dimensions, radius compensation: data and alarm numbers of the profile (path_rules.cpp).
+void set_path_rules(Dialect& dialect);
 
 Dialect make_fanuc_0i_t();
 Dialect make_fanuc_0i_m();

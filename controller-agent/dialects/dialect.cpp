@@ -23,6 +23,10 @@ using R = AlarmReason;
 
 // Reasons that only some controls print a number of their own for, and whose number the others print.
 constexpr std::pair<R, R> kFinerReasons[] = {
+    {AlarmReason::spindle_reversed, AlarmReason::illegal_m},
+    {AlarmReason::spindle_gear, AlarmReason::value_range},
+    {AlarmReason::surface_speed_gear, AlarmReason::value_range},
+    {AlarmReason::gear_change, AlarmReason::illegal_m},
     {AlarmReason::life_format, AlarmReason::data_input},
     {AlarmReason::life_group_number, AlarmReason::data_input},
     {AlarmReason::life_group_missing, AlarmReason::offset_number},
@@ -67,6 +71,13 @@ constexpr std::pair<R, R> kFinerReasons[] = {
     {R::too_many_axes, R::illegal_address},
     {R::single_direction_axis, R::illegal_address},
     {R::spindle_number, R::value_range},
+    {R::polygon_again, R::illegal_g},
+    {R::polygon_words, R::value_range},
+    {R::polygon_alone, R::stand_alone},
+    {R::polygon_axis, R::illegal_g},
+    {R::m_combination, R::too_many_m},
+    {R::position_overflow, R::value_range},
+    {R::arc_increments, R::arc_plane},
 };
 
 // "G54.1" → 541.
@@ -111,6 +122,7 @@ void add_g_codes(Dialect& dialect, std::span<const GRow> rows, std::span<const O
       code.phase = cycle->phase;
       code.handler = cycle->handler;
       code.cycle = found = true;
+      code.lead = cycles::f_is_lead(cycle->handler);
     }
     if (!found) broken_table(dialect, row[5]);
     for (std::size_t system = 0; system < 3; ++system) {
@@ -164,9 +176,12 @@ std::span<const std::string_view> dialect_names() {
 }
 
 const Dialect* find(std::string_view profile) {
-  static const std::array<Dialect, std::size(kProfiles)> dialects = {make_fanuc_0i_t(), make_fanuc_0i_m(),
-                                                                     make_gsk_2000tc(), make_gsk_218t(),
-                                                                     make_k2000tc(),    make_lathe_200t()};
+  static const std::array<Dialect, std::size(kProfiles)> dialects = [] {
+    std::array<Dialect, std::size(kProfiles)> made = {make_fanuc_0i_t(), make_fanuc_0i_m(), make_gsk_2000tc(),
+                                                      make_gsk_218t(),   make_k2000tc(),    make_lathe_200t()};
+    for (Dialect& dialect : made) set_path_rules(dialect);
+    return made;
+  }();
   for (const Dialect& dialect : dialects) {
     if (dialect.profile == profile) return &dialect;
   }

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compensation/rules.hpp"
 #include "dialects/alarm_reason.hpp"
 #include "dialects/mode_rules.hpp"
 #include "dialects/tool_life_rules.hpp"
@@ -34,6 +35,7 @@ enum class Phase : std::uint8_t {
   setting,      ///< before everything else: planes, units, feed modes, coordinate systems
   modifier,     ///< changes how the block's motion ends (G09)
   action,       ///< the block's axis words belong to it (G04, G10, G28 …)
+  hole,         ///< hole cycles: every position drills until G80 or a code of group 01
   motion        ///< group 01; in force until the next one
 };
 
@@ -45,6 +47,7 @@ struct GCode {
   Handler handler = nullptr;
   std::string_view name;  ///< "G54.1", static storage: also what cycles are named by
   bool power_on = false;  ///< in force after power-on
+  bool lead = false;      ///< F is the lead of a thread
   bool cycle = false;     ///< a canned cycle: letters like U and W are words of its own
 };
 
@@ -78,6 +81,7 @@ enum class MAction : std::uint8_t {
   end_m30,
   call,
   return_,
+  rigid_tapping,  ///< M29: the next tapping cycle is rigid; sent to the machine too
   restart,  ///< M96 of 200T: from the head again
   own,      ///< OwnLanguage::m_code
   unavailable
@@ -85,6 +89,7 @@ enum class MAction : std::uint8_t {
 struct MRule {
   std::int32_t code = 0;
   MAction action = MAction::machine;
+  std::int32_t last = 0;  ///< a range: code…last; 0: the one code
 };
 
 enum class Decimal : std::uint8_t {
@@ -106,6 +111,7 @@ struct NumberRules {
   Decimal decimal = Decimal::standard;
   std::string_view decimal_parameter = {};  ///< bit that chooses: empty when there is none
   Decimal decimal_when_set = Decimal::pocket;
+  std::string_view standard_when_clear_parameter = {};  ///< bit, 1 unless set: 0 chooses standard
   Rounding rounding = Rounding::half_up;
   std::uint8_t most_digits = 9;                ///< typed in one word
   std::int64_t most_increments = 999'999'999;  ///< after conversion to least increments
@@ -114,6 +120,7 @@ struct NumberRules {
   double feed_per_revolution_unit_mm = 0.0001;
   double feed_per_revolution_unit_inch = 0.000001;
   std::string_view coarse_increment_parameter, fine_increment_parameter;  ///< bits: IS-A, IS-C
+  std::string_view linear_decimals_parameter, rotary_decimals_parameter;  ///< value: decimals of mm, degrees
   double power_on_feed_mm_min = -1;  ///< F in force before the first F word; < 0: none
   std::uint32_t addresses = 0;       ///< letters a program may use (see program::letters)
   std::uint32_t pointed = 0;         ///< of these: may have a decimal point
@@ -125,9 +132,9 @@ struct ArcRules {
   std::string_view tolerance_parameter = {};
   bool negative_r = true;
   bool r_and_center_is_alarm = false;
-  bool feed_on_arc = false;  ///< F of a helix counts along the arc, not along the path
+  bool feed_on_arc = false;                      ///< F of a helix counts along the arc, not along the path
   std::string_view feed_on_path_parameter = {};  ///< bit: along the path after all
-  bool closed_by_r_is_alarm = false;  ///< start = end with R: an alarm instead of no motion
+  bool closed_by_r_is_alarm = false;             ///< start = end with R: an alarm instead of no motion
 };
 
 struct ThreadRules {
@@ -136,7 +143,10 @@ struct ThreadRules {
   bool lead_along_path = false;  ///< F is the lead along the cone, not along the long axis
   bool f_is_feed_too = false;  ///< F stays in force for G01 after the thread; otherwise F must be given again
   double q_unit_deg = 0.001;   ///< of the start angle Q
+  std::string_view q_parameter = {};  ///< bit: Q may be given; empty: always
   char change_word = 'K';      ///< G34: lead change a revolution
+  bool first_lead_changed = false;  ///< G34: the first turn's lead is F plus the change already
+  bool runout = false;              ///< J and K of G32: the tool leaves the thread before its end
   double most_lead_mm = 500;
 };
 
@@ -153,7 +163,7 @@ struct ToolRules {
   std::string_view offset_digits_parameter = {};
   std::string_view geometry_by_tool_parameter = {};
   bool short_form = false;  ///< T with no more digits than the offset has: tool and offset of that number
-  double sign = 1;  ///< +1: machine = work + zero + offset; -1: the offset is subtracted
+  double sign = 1;          ///< +1: machine = work + zero + offset; -1: the offset is subtracted
   std::size_t most_offsets = 99;
 };
 
@@ -172,6 +182,9 @@ struct Dialect {
   ThreadRules threads;
   CallRules calls;
   ToolRules tools;
+  comp::CornerRules corners;
+  comp::CompensationRules compensation;
+  std::string_view compensated_cycle = "G70";  ///< the cycle whose moves are compensated; others drop the vector
   ModeRules modes;
   ToolLifeRules life;
   Repeated repeated_words = Repeated::last_wins;
@@ -182,11 +195,12 @@ struct Dialect {
   BothForms both_forms = BothForms::later_wins;
   EndOfText end_of_text = EndOfText::alarm;
   std::size_t longest_block = 8'192;
-  std::uint32_t corner_words = 0;  ///< letters of chamfers and corner rounds in G01: refused, not ignored
+  std::uint32_t corner_words = 0;  ///< letters of chamfers and corner rounds in G01; see take_corner_words
+  bool reversal_needs_stop = false;  ///< M03 after M04 without M05 between them is an alarm
   bool inner_slash_is_alarm = false;
   bool sub_program_needs_return = false;  ///< a sub-program that ends without M99 is the alarm of nesting
-  bool t_refused_with_actions = false;  ///< T may not share a block with G04 G10 G28 G30 G50 G53
-  bool reset_clears = false;            ///< RESET brings the power-on codes back
+  bool t_refused_with_actions = false;    ///< T may not share a block with G04 G10 G28 G30 G50 G53
+  bool reset_clears = false;              ///< RESET brings the power-on codes back
   std::string_view reset_clears_parameter;
   bool local_per_system = false;          ///< G52 belongs to the coordinate system it was given in
   int first_g10_work = 1;                 ///< G10 L2 P of G54
@@ -199,6 +213,7 @@ struct Dialect {
   std::string_view setting_refused_parameter;  ///< bit: G50/G92 coordinate setting is an improper G code
   std::string_view dwell_turns_parameter;      ///< bit: G04 counts revolutions under feed per revolution
   std::string_view linear_rapid_parameter;     ///< bit: G00 runs on a straight line
+  std::string_view hole_clamp_parameter;  ///< M code that clamps the rotary axis inside hole cycles
   bool g28_alone_moves_all = false;            ///< G28 without axes sends every axis home
   /// The controller's macro language, or at least its variables; nullptr: it has none. Static storage.
   const macro::Rules* macros = nullptr;
@@ -218,7 +233,7 @@ struct Dialect {
   const GTable& table(char system) const { return systems[system == 'C' ? 2 : system == 'B' ? 1 : 0]; }
   MAction m_action(std::int32_t code) const {
     for (const MRule& rule : m_rules) {
-      if (rule.code == code) return rule.action;
+      if (rule.code == code || (code > rule.code && code <= rule.last)) return rule.action;
     }
     return MAction::machine;
   }

@@ -22,12 +22,33 @@ struct OneDigitFeed {
   std::string_view most_1_to_4, most_5_to_9;  ///< upper limits
 };
 
+/// G codes of a function that a parameter takes away.
+struct Option {
+  std::string_view absent_parameter;  ///< bit: the control does not have it
+  std::int16_t first = 0, last = 0;   ///< codes [tenths]
+};
+
 struct ModeRules {
+  std::span<const Option> options;
+  std::string_view system_b_parameter, system_c_parameter;  ///< bits: G-code system B, C
+  std::string_view tenfold_unit_parameter;  ///< bit: 1 without a point is ten least increments
+  std::string_view axis_decimal_parameter;  ///< bit an axis: 1 without a point is 1 mm
+  std::string_view fine_feed_per_minute_parameter,
+      fine_feed_per_revolution_parameter;   ///< bits: F counts in 0.001
+  bool flow_codes_alone = false;            ///< M00 M01 M02 M30 M98 M99 share a block with no other M code
+  std::string_view polygon_axis_parameter;  ///< tool axis of polygon turning; 0: alarm
   OneDigitFeed one_digit_feed;
 
   // ---- compensation: modes that refuse each other ask for it
   std::uint8_t compensation_group = 0;  ///< of G40/G41/G42; 0: not asked
   std::int16_t compensation_off = 400;
+
+  // ---- RESET; group numbers, 0: the control has no such group
+  std::uint8_t unit_group = 0, stroke_group = 0, work_group = 0;
+  std::uint8_t rotation_group = 0, scaling_group = 0, mirror_group = 0, polar_group = 0;
+  std::array<std::string_view, 4> kept_group_parameters{};  ///< bytes whose bit n keeps group n through RESET
+  std::string_view reset_work_parameter;   ///< bit: RESET returns to G54 without clear state too
+  std::string_view reset_local_parameter;  ///< bit: RESET cancels G52
 
   // ---- axes: bits and values an axis ("1006#3" is read as "1006#3/X")
   std::string_view diameter_parameter, rotary_parameter;
@@ -35,6 +56,15 @@ struct ModeRules {
 
   /// Places of the 2nd, 3rd and 4th reference point, one value an axis; empty: there is no such point.
   std::array<std::string_view, 3> reference_parameters = {"1241", "1242", "1243"};
+  std::string_view first_reference_parameter;  ///< of the 1st point; empty or not set: the machine file's
+
+  int most_axes_at_once = 0;                    ///< interpolated in one block; 0: not limited
+  std::string_view imaginary_circle_parameter;  ///< bit an axis: F of a rotary axis counts on a circle …
+  std::string_view imaginary_radius_parameter;  ///< … of this radius [mm]
+
+  // ---- polar coordinate interpolation
+  std::string_view polar_linear_parameter, polar_rotary_parameter;  ///< axis numbers from 1; 0: X and C
+  std::array<std::string_view, 2> polar_unsupported{};              ///< must be 0: refused by alarm
 
   // ---- scaling and rotation
   std::string_view scale_unit_parameter;            ///< bit: magnifications count in 0.001 instead of 0.00001
@@ -56,6 +86,25 @@ struct ModeRules {
   std::string_view skip_override_parameter;        ///< bit: override, dry run and acceleration act on G31
   bool dwell_p_scales = false;                     ///< P of G04 counts in the increment system
   std::string_view dwell_ms_parameter;             ///< bit: after all in 0.001 s
+
+  // ---- units
+  std::string_view
+      unit_at_reference_parameter;  ///< bit: G20/G21 only where every axis stands at its reference point
+  std::string_view unit_anywhere_parameter;  ///< bit: G20/G21 anywhere, coordinate systems are converted
+  std::string_view
+      unit_clears_shift_parameter;  ///< bit: G20/G21 drops G92 and G52 shifts instead of an alarm
+
+  // ---- spindle, M S T B
+  std::string_view highest_speed_parameter;  ///< clamp of every speed [1/min]
+  std::array<std::string_view, 3>
+      gear_speeds{};  ///< highest speed of gears 1…3; empty: no gears of the control
+  std::string_view gears_by_machine_parameter;  ///< bit: the machine chooses the gear after all
+  std::string_view surface_axis_parameter;      ///< axis number of G96; 0: X. Empty: P is not a word of G96
+  std::string_view spindle_digits_parameter, tool_digits_parameter, auxiliary_digits_parameter;
+  std::string_view auxiliary_enable_parameter;   ///< bit: there is a second auxiliary function
+  std::string_view auxiliary_address_parameter;  ///< its letter as ASCII code; otherwise B
+  std::string_view auxiliary_decimal_parameter;  ///< bit: with decimal point and sign
+  std::string_view auxiliary_inch_parameter;     ///< bit: ten times the factor under inch input
 
   // ---- supervision
   std::string_view stroke_2_most, stroke_2_least;  ///< limits an axis, "1322" and "1323"

@@ -68,6 +68,8 @@ bool Executor::arc(Turn turn) {
     return alarm(AlarmReason::arc_plane, code_column, std::string{names.first, names.second});
   const auto first = static_cast<std::size_t>(in_plane.first),
              second = static_cast<std::size_t>(in_plane.second);
+  if (axes[first].increment != axes[second].increment && axes[first].rotary == axes[second].rotary)
+    return alarm(AlarmReason::arc_increments, code_column, std::string{axes[first].name, axes[second].name});
   if (transform.spatial || (transform.rotated && (transform.first != first || transform.second != second)))
     return alarm(AlarmReason::rotation_plane, code_column, std::string{names.first, names.second});
   if (one_digit_rapid) return alarm(AlarmReason::arc_in_rapid, code_column, "F0");
@@ -155,7 +157,7 @@ bool Executor::thread(bool variable) {
     return alarm(AlarmReason::thread_f_and_i, block['I'].column, "I");
   }
   for (const char runout : {'J', 'K'}) {
-    if (block.has(runout) && !(variable && runout == rules.change_word)) {
+    if (block.has(runout) && !rules.runout && !(variable && runout == rules.change_word)) {
       return alarm(AlarmReason::g_unavailable, block[runout].column, std::string(code->name) + ' ' + runout);
     }
   }
@@ -174,22 +176,78 @@ bool Executor::thread(bool variable) {
   if (!(lead_mm > 0) || lead_mm > rules.most_lead_mm)
     return alarm(AlarmReason::thread_lead, lead_column, "F");
 
+  if (block.has('Q') && !rules.q_parameter.empty() && !data.bit(rules.q_parameter))
+    return alarm(AlarmReason::illegal_address, block['Q'].column, "Q");
   const AxisVector from = machine_now;
   std::uint32_t moved = 0;
-  if (!take_targets(moved)) return false;
+  if (!take_targets(moved) || !axes_at_once(moved)) return false;
   if (moved == 0) return true;
-  auto& motion = emit<Thread>();
-  fill_motion(motion, moved);
+  const AxisVector to = targets_mm();
   double path = 0, longest = 0;
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    const double d = std::fabs(machine_now[i] - from[i]);
+    if ((transform.also_moved(moved) >> i & 1u) == 0) continue;
+    const double d = std::fabs(to[i] + modal.work_zero[i] - from[i]);
     path += d * d;
     longest = std::max(longest, d);
   }
-  motion.lead_mm = rules.lead_along_path && path > 0 ? lead_mm * longest / std::sqrt(path) : lead_mm;
-  if (variable && block.has(rules.change_word)) motion.lead_change_mm = length_mm(block[rules.change_word]);
+  double lead = rules.lead_along_path && path > 0 ? lead_mm * longest / std::sqrt(path) : lead_mm;
+  double change = 0;
+  if (variable && block.has(rules.change_word)) {
+    change = length_mm(block[rules.change_word]);
+    if (rules.first_lead_changed) lead += change;
+    // After the way s the lead is sqrt(lead² + 2 s change): it must stay positive and in range (PS0313).
+    const double last = lead * lead + 2 * longest * change;
+    if (lead <= 0 || last <= 0 || last > rules.most_lead_mm * rules.most_lead_mm)
+      return alarm(AlarmReason::thread_lead_change, block[rules.change_word].column,
+                   std::string(1, rules.change_word));
+  }
+  Thread motion;
+  fill_motion(motion, moved);
+  motion.lead_mm = lead;
+  motion.lead_change_mm = change;
   if (block.has('Q')) motion.start_angle_deg = static_cast<double>(block['Q'].integer()) * rules.q_unit_deg;
   if (!rules.f_is_feed_too && block.has('F')) feed_mm = -1;
+  if (rules.runout && block.has('J')) return thread_runout(motion, from);
+  emit<Thread>() = motion;
+  return true;
+}
+
+// G32 J K: before the end the tool leaves the thread, J along the short axis over K along the long one
+// (2000TC L4150). The spindle goes on leading; the block ends where the tool is then.
+bool Executor::thread_runout(const Thread& whole_thread, const AxisVector& from) {
+  std::size_t along = 0;
+  const AxisVector end = machine_now;
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    if (std::fabs(end[i] - from[i]) > std::fabs(end[along] - from[along])) along = i;
+  const auto other = axis_named(axes[along].name == 'X' ? 'Z' : 'X');
+  if (!other) return alarm(AlarmReason::illegal_address, block['J'].column, "J");
+  const std::size_t across = *other;
+  const double j = length_mm(block['J']);
+  double k = block.has('K') ? std::fabs(length_mm(block['K'])) : 0;
+  if (j == 0) {
+    emit<Thread>() = whole_thread;
+    return true;
+  }
+  if (k == 0) k = std::fabs(j);
+  const double length = std::fabs(end[along] - from[along]);
+  if (k >= length) return alarm(AlarmReason::thread_lead, block[block.has('K') ? 'K' : 'J'].column, "K");
+  const double part = 1 - k / length;
+  AxisVector leave = end, out_of = end;
+  leave[along] = from[along] + (end[along] - from[along]) * part;
+  leave[across] = from[across] + (end[across] - from[across]) * part;
+  out_of[across] = end[across] + j;
+  Thread part_of = whole_thread;
+  for (const AxisVector& to : {leave, out_of}) {
+    for (const std::size_t i : {along, across}) set_axis_machine(i, to[i]);
+    auto& leg = emit<Thread>();
+    leg = part_of;
+    leg.end_machine = machine_now;
+    leg.end_work = work_now;
+    leg.axes |= 1u << along | 1u << across;
+    // The lead that the first part ends with.
+    part_of.lead_mm =
+        std::sqrt(part_of.lead_mm * part_of.lead_mm + 2 * length * part * part_of.lead_change_mm);
+  }
   return true;
 }
 

@@ -12,6 +12,12 @@ char lowest_letter(std::uint32_t mask) {
   return static_cast<char>('A' + std::countr_zero(mask));
 }
 
+// G04 G10 G28 G29 G30 G50 (G92) G53.
+constexpr bool refuses_t(std::int16_t tenths) {
+  return tenths == 40 || tenths == 100 || tenths == 280 || tenths == 290 || tenths == 300 || tenths == 500 ||
+         tenths == 920 || tenths == 530;
+}
+
 constexpr std::uint32_t kFeedSpindleTool = letters("FST");
 
 }  // namespace
@@ -43,14 +49,19 @@ bool Executor::execute_words() {
   if (data_input.line != nullptr && !(block.g_count == 1 && block.g[0].tenths == 110))
     return check_words() && data_input.line(*this);
   if (!check_words() || !take_codes()) return false;
+  if (surface.now.kind != SurfaceKind::none && !surface_allows()) return false;
+  if (dialect.compensation.by_d && block.has('D') && !take_d()) return false;
   if (setting_count != 0 && !run_settings()) return false;
   if ((block.words & kFeedSpindleTool) != 0) {
     if (block.has('F') && !take_feed()) return false;
     if (block.has('S') && !take_spindle()) return false;
     if (block.has('T') && !take_tool()) return false;
   }
+  if (auxiliary_letter != 0 && block.has(auxiliary_letter) && !take_second_auxiliary(auxiliary_letter))
+    return false;
   if (block.m_count != 0 && !run_m_codes(false)) return false;
   if (spindle_changed) emit_spindle();
+  if (((block.words & dialect.corner_words) | block.marked) != 0 && !take_corner_words()) return false;
 
   // A move of an axis that the machine does not have must not be left out silently.
   if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters;
@@ -62,6 +73,9 @@ bool Executor::execute_words() {
     code = action;
     code_column = action_column;
     if (!action->handler(*this)) return false;
+  } else if (cycle.hole.code != nullptr) {
+    code = cycle.hole.code;
+    if (!code->handler(*this)) return false;
   } else if (((block.words & axis_letters) | pending_axes) != 0) {
     code = motion_code;
     if (motion_code->phase == Phase::unavailable) {
@@ -108,8 +122,8 @@ bool Executor::check_words() {
     return alarm(AlarmReason::minus_sign, b[letter].column, std::string(1, letter));
   }
   if (b.repeated == 0 && b.inner_slash == 0) return true;
-  const bool refused =
-      dialect.repeated_words == dialects::Repeated::alarm || data.bit(dialect.repeated_alarm_parameter);
+  const double refused_by_itself = dialect.repeated_words == dialects::Repeated::alarm ? 1 : 0;
+  const bool refused = data.parameter(dialect.repeated_alarm_parameter, refused_by_itself) != 0;
   if (b.repeated != 0 && refused && !switches.lenient) {
     if (const std::uint32_t wrong = b.repeated & ~dialect.may_repeat; wrong != 0) {
       const char letter = lowest_letter(wrong);
@@ -128,11 +142,15 @@ bool Executor::take_codes() {
   exact_stop_once = false;
   pending_axes = 0;
   const GCode* new_motion = nullptr;
+  const GCode* new_hole = nullptr;
   std::uint32_t groups = 0;
   for (std::size_t i = 0; i < block.g_count; ++i) {
     const program::Code& written = block.g[i];
     const GCode* row = table->find(written.tenths);
     if (row == nullptr) return alarm(AlarmReason::illegal_g, written, 'G');
+    for (const Codes& absent : absent_codes) {
+      if (row->tenths >= absent.first && row->tenths <= absent.last) return alarm(AlarmReason::illegal_g, written, 'G');
+    }
     if (row->group != 0) {
       const std::uint32_t bit = 1u << row->group;
       if ((groups & bit) != 0 && dialect.same_group == dialects::Repeated::alarm && !switches.lenient) {
@@ -156,6 +174,10 @@ bool Executor::take_codes() {
         break;
       case Phase::motion:
         new_motion = row;
+        new_hole = nullptr;  // of a motion and a hole cycle in one block the later one counts
+        break;
+      case Phase::hole:
+        new_hole = row;
         break;
     }
     if (row->group != 0) modal.g[row->group] = row->tenths;
@@ -164,11 +186,20 @@ bool Executor::take_codes() {
       !switches.lenient) {
     return alarm(AlarmReason::g_one_shot_and_motion, action_column, std::string(action->name));
   }
-  if (action != nullptr && block.has('T') && dialect.t_refused_with_actions && !action->cycle) {
+  if (action != nullptr && block.has('T') && dialect.t_refused_with_actions && !action->cycle &&
+      refuses_t(action->tenths)) {
     return alarm(AlarmReason::t_not_allowed, block['T'].column, std::string(action->name));
   }
   if (new_motion != nullptr) motion_code = new_motion;
-  if (new_motion != nullptr || action != nullptr) cycle.on_codes(new_motion, action);
+  if (new_motion != nullptr || action != nullptr || new_hole != nullptr) {
+    cycle.on_codes(new_motion, action, new_hole);
+    if (new_hole != nullptr && !dialect.hole_clamp_parameter.empty())
+      cycle.clamp_m = static_cast<std::int32_t>(data.parameter(dialect.hole_clamp_parameter));
+    if (cycle.hole_ended != nullptr) {  // a code of group 01 is a G80 too
+      modal.g[cycle.hole_ended->group] = 800;
+      cycle.hole_ended = nullptr;
+    }
+  }
   return true;
 }
 
@@ -188,6 +219,21 @@ bool Executor::run_m_codes(bool after_motion) {
     if (block.m_count > most && !switches.lenient) {
       return alarm(AlarmReason::too_many_m, block.m[most], 'M');
     }
+    if (block.m_count > 1 && most > 1 && dialect.modes.flow_codes_alone && !switches.lenient) {
+      for (std::size_t i = 0; i < block.m_count; ++i) {
+        switch (dialect.m_action(block.m[i].tenths / 10)) {
+          case MAction::program_stop:
+          case MAction::optional_stop:
+          case MAction::end_m02:
+          case MAction::end_m30:
+          case MAction::call:
+          case MAction::return_:
+            return alarm(AlarmReason::m_combination, block.m[i], 'M');
+          default:
+            break;
+        }
+      }
+    }
     if (block.m_pointed && !switches.lenient)
       return alarm(AlarmReason::decimal_point, block.m[0].column, "M");
   }
@@ -201,6 +247,9 @@ bool Executor::run_m_codes(bool after_motion) {
       case MAction::spindle_cw:
       case MAction::spindle_ccw:
         if (!after_motion) {
+          const auto opposite = what == MAction::spindle_cw ? SpindleDirection::ccw : SpindleDirection::cw;
+          if (dialect.reversal_needs_stop && spindle_direction == opposite)
+            return alarm(AlarmReason::spindle_reversed, block.m[i], 'M');
           spindle_direction = what == MAction::spindle_cw ? SpindleDirection::cw : SpindleDirection::ccw;
           spindle_changed = true;
         }
@@ -211,6 +260,9 @@ bool Executor::run_m_codes(bool after_motion) {
           spindle_direction = SpindleDirection::stop;
           emit_spindle();
         }
+        break;
+      case MAction::rigid_tapping:
+        cycle.rigid_next = true;
         break;
       case MAction::machine:
         break;
@@ -224,6 +276,10 @@ bool Executor::run_m_codes(bool after_motion) {
     }
     if (is_after != after_motion) continue;
     if (!tool_life::take_m(*this, number, block.m[i].column)) return false;
+    if (cycle.hole.code != nullptr && number != 0 && number == cycle.clamp_m) {
+      cycle.hole.clamp = true;  // goes out when the hole's position is reached
+      continue;
+    }
     if (spindle_changed) emit_spindle();
     auto& sent = emit<MCode>();
     sent.at = at;

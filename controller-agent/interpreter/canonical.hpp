@@ -66,6 +66,7 @@ struct Motion {
   const char* cycle = nullptr;  ///< "G71" when a canned cycle made the move; static storage
   bool exact_stop = false;      ///< G09/G61: decelerate to zero and check in-position at the end
   CuttingMode cutting_mode = CuttingMode::cutting;
+  bool in_plane = false;  ///< inside the interpreter only: coordinates of G07.1/G12.1, see surface.hpp
 };
 
 /// Bits of `Feed::skip_signals` and `Dwell::skip_signals`: SKIP, SKIP2 … SKIP8, then the torque limit.
@@ -168,6 +169,14 @@ struct SpindleWatch {
   double width_rpm = 0;      ///< I: allowed fluctuation; the wider one counts
 };
 
+/// G51.2/G50.2: polygon turning, the tool axis turns with the spindle.
+struct PolygonTurning {
+  SourcePosition at;
+  bool on = false;
+  std::int32_t spindle_ratio = 1;  ///< P: 1…999
+  std::int32_t tool_ratio = 1;     ///< Q: −999…999, negative: the other way
+};
+
 /// Second auxiliary function (B, or the address the parameters say): goes to the machine as MCode does.
 struct SecondAuxiliary {
   SourcePosition at;
@@ -234,7 +243,25 @@ struct End {
   bool counts_part = false;
 };
 
-using Operation = std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm,
-                               End, ContourMode, StrokeCheck, SpindleWatch, SecondAuxiliary>;
+enum class TapKind : std::uint8_t {
+  rigid,   ///< the control turns the spindle in step with the axis
+  follows  ///< the axis follows the encoder of a spindle that is stopped and reversed at the bottom
+};
+
+/// Tapping, one way in and out: from where the tool stands to `bottom`, reversed, and back to the motion's end, axis and
+/// spindle in step all the way. Feed override, feed hold and single block act only after it.
+struct Tap : Motion {
+  AxisVector bottom_work{};     ///< programming units, X as a diameter where so
+  AxisVector bottom_machine{};  ///< mm
+  TapKind kind = TapKind::rigid;
+  double pitch_mm = 0;  ///< advance a revolution, > 0
+  double rpm = 0;       ///< spindle speed in force; 0 under `follows` when none was commanded
+  SpindleDirection direction = SpindleDirection::cw;  ///< inward; outward is the other one
+  double dwell_s = 0;  ///< at the bottom
+};
+
+using Operation =
+    std::variant<Rapid, Feed, Arc, Thread, Dwell, Spindle, Tool, MCode, Message, Stop, Alarm, End, ContourMode,
+                 StrokeCheck, SpindleWatch, SecondAuxiliary, PolygonTurning, Tap>;
 
 }  // namespace headstock::interp

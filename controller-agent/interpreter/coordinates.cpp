@@ -15,7 +15,7 @@ bool for_axis_words(Executor& ex, const Apply& apply) {
     const auto axis = static_cast<std::size_t>(ex.axis_of[letter]);
     const program::Word& word = ex.block.word[letter];
     const bool by = (ex.incremental_letters >> letter & 1u) != 0;
-    if (!apply(axis, ex.nano(word, ex.axes[axis].increment), by, word)) return false;
+    if (!apply(axis, ex.axis_value(word, ex.axes[axis]), by, word)) return false;
   }
   return true;
 }
@@ -32,6 +32,10 @@ bool set_coordinates(Executor& ex) {
   if (ex.data.bit(ex.dialect.setting_refused_parameter)) {
     return ex.alarm(AlarmReason::illegal_g, ex.code_column, std::string(ex.code->name));
   }
+  // M series: not where the length offset changes in the same block (0i-D 4.16).
+  if (!ex.dialect.tools.lathe && (ex.pending_axes != 0 || ex.block.has('H')))
+    return ex.alarm(AlarmReason::setting_with_length, ex.code_column, std::string(ex.code->name));
+  ex.pipeline.drop_for_setting();
   return for_axis_words(ex, [&ex](std::size_t i, std::int64_t value, bool by, const program::Word&) {
     ProgramAxis& axis = ex.axes[i];
     const bool add = by || ex.incremental;
@@ -80,7 +84,16 @@ bool machine_move(Executor& ex) {
         return true;
       });
   if (!ok) return false;
-  return moved == 0 || ex.emit_rapid_to_machine(target, moved, true);
+  if (moved == 0) return true;
+  // P1: the next rapid may begin before this one stands still (0i-D 4.19).
+  bool overlap = false;
+  if (ex.block.has('P') && ex.block.m_count == 0) {
+    const std::int64_t p = ex.whole('P', AlarmReason::value_range);
+    if (p < 0) return false;
+    if (p != 1) return ex.alarm(AlarmReason::value_range, ex.block['P'].column, "P" + std::to_string(p));
+    overlap = true;
+  }
+  return ex.emit_rapid_to_machine(target, moved, true, overlap);
 }
 
 // G54…G59; on a control with additional systems `G54 P` is one of those.

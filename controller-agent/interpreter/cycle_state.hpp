@@ -41,12 +41,15 @@ struct BoxWords {
   std::uint32_t given = 0;                      ///< axes that have a target
   double taper = 0;                             ///< R, mm as programmed (radius, or along Z for G94)
   double runout_short = -1, runout_long = -1;   ///< J, K of threads [mm]; < 0: not given
+  double run_in = 0;                            ///< K of 200T threads [mm]
   std::int64_t starts = 1;                      ///< L
 };
 
 /// Words of the hole cycles: modal until G80 or a code of group 01.
 struct HoleWords {
   const dialects::GCode* code = nullptr;  ///< in force; nullptr: no hole cycle
+  bool entered = false;                   ///< the initial level is known
+  bool clamp = false;                     ///< the rotary axis is clamped for each hole
   std::size_t axis = 0;                   ///< drilling axis
   double initial = 0;                     ///< level where the mode was entered, slide mm from the work zero
   double bottom = 0, reference = 0;       ///< Z and R, resolved, slide mm
@@ -72,7 +75,12 @@ struct CycleState {
 
   BoxWords box;
   HoleWords hole;
+  const dialects::GCode* hole_ended = nullptr;  ///< the mode that this block's codes end
   LastThread last_thread;
+  std::int32_t clamp_m =
+      0;  ///< M code that clamps the rotary axis inside hole cycles, the next number frees it; 0: none
+  double runout_tenths =
+      -1;                   ///< r of G76, P of G92 where both share it (K2000TC), 0.1 lead; < 0: never given
   bool rigid_next = false;  ///< M29 stands: the next tapping cycle is rigid
 
   /// Where the profile of the last roughing cycle stands, so that G70 finds the same one.
@@ -99,10 +107,19 @@ struct CycleState {
   }
 
   /// Which modal words a block's codes end.
-  void on_codes(const dialects::GCode* motion, const dialects::GCode* action) {
+  void on_codes(const dialects::GCode* motion, const dialects::GCode* action,
+                const dialects::GCode* new_hole) {
     constexpr std::int16_t kDwell = 40;
     if (motion != nullptr && motion->handler != box.owner) box.owner = nullptr;
     if (action != nullptr && action->tenths != kDwell) box.owner = nullptr;
+    if (new_hole != nullptr) {
+      box.owner = nullptr;
+      if (hole.code == nullptr) hole = {};
+      hole.code = new_hole;
+    } else if (motion != nullptr && hole.code != nullptr) {
+      hole_ended = hole.code;
+      hole = {};
+    }
     if (box.owner == nullptr) box.given = 0;
   }
 };

@@ -15,7 +15,7 @@ namespace {
 // A value as the offset page shows it: mm, diameter on a diameter axis.
 double page_value(const Executor& ex, const program::Word& word, std::size_t axis) {
   const auto& a = ex.axes[axis];
-  return static_cast<double>(ex.round_to(ex.nano(word, a.increment), a.increment)) / 1e9 *
+  return static_cast<double>(ex.round_to(ex.axis_value(word, a), a.increment)) / 1e9 *
          (a.rotary ? 1 : ex.unit_mm);
 }
 

@@ -41,19 +41,29 @@ Executor::Executor(const Dialect& d, const machine::Machine& m, MachineData& mac
 }
 
 void Executor::set_switches(const Switches& wanted) {
-  const bool other_system = table == nullptr || wanted.gcode_system != switches.gcode_system;
+  char wanted_system = wanted.gcode_system;  // A is also "as the parameters say"
+  if (wanted_system == 'A' && data.bit(dialect.modes.system_b_parameter)) wanted_system = 'B';
+  if (wanted_system == 'A' && data.bit(dialect.modes.system_c_parameter)) wanted_system = 'C';
+  const bool other_system = table == nullptr || wanted_system != gcode_system;
+  gcode_system = wanted_system;
   switches = wanted;
-  const std::size_t system = switches.gcode_system == 'C' ? 2 : switches.gcode_system == 'B' ? 1 : 0;
+  const std::size_t system = gcode_system == 'C' ? 2 : gcode_system == 'B' ? 1 : 0;
   const auto& numbers = dialect.numbers;
-  if (other_system) table = &dialect.table(switches.gcode_system);
+  if (other_system) table = &dialect.table(gcode_system);
 
   using dialects::Decimal;
   Decimal decimal = data.bit(numbers.decimal_parameter) ? numbers.decimal_when_set : numbers.decimal;
+  if (data.parameter(numbers.standard_when_clear_parameter, 1) == 0) decimal = Decimal::standard;
   if (switches.decimal_point == DecimalPoint::standard) decimal = Decimal::standard;
   if (switches.decimal_point == DecimalPoint::pocket || switches.lenient) decimal = Decimal::pocket;
   pocket = decimal == Decimal::pocket;
 
   lex_rules.semicolon_is_comment = switches.lenient;
+  lex_rules.comma_letters =
+      dialect.corners.comma_parameter.empty() || data.parameter(dialect.corners.comma_parameter, 1) != 0
+          ? dialect.corners.comma_letters
+          : 0;
+  lex_rules.named_letters = dialect.corners.named_letters;
   lex_rules.most_digits = switches.lenient ? 17 : numbers.most_digits;
 
   axis_of.fill(-1);
@@ -83,22 +93,25 @@ void Executor::set_switches(const Switches& wanted) {
 }
 
 // Every group's marked code, then what the parameters choose instead.
-void Executor::power_on() {
+void Executor::power_on(std::uint32_t keep) {
   block.clear();
-  const auto put_in_force = [this](const GCode& row) {
+  const auto put_in_force = [this, keep](const GCode& row) {
+    if ((keep >> row.group & 1u) != 0) return;
     if (row.group != 0) modal.g[row.group] = row.tenths;
-    if (row.phase == Phase::motion) motion_code = &row;
+    if (row.phase == Phase::motion) motion_code = &row;  // G80 is in force as a setting
     if (row.phase == Phase::setting && row.handler != nullptr) {
       code = &row;
       row.handler(*this);
     }
   };
   const bool inch = modal.inch;  // the unit survives reset and power-off (0i-D 3)
-  modal.g.fill(-1);
+  for (std::size_t group = 0; group < modal.g.size(); ++group) {
+    if ((keep >> group & 1u) == 0) modal.g[group] = -1;
+  }
   for (const GCode& row : table->rows()) {
     if (row.power_on) put_in_force(row);
   }
-  const std::size_t system = switches.gcode_system == 'C' ? 2 : switches.gcode_system == 'B' ? 1 : 0;
+  const std::size_t system = gcode_system == 'C' ? 2 : gcode_system == 'B' ? 1 : 0;
   for (const auto& chosen : dialect.power_on_switches) {
     const GCode* row = data.bit(chosen.parameter) ? table->find(chosen.tenths[system]) : nullptr;
     if (row != nullptr) put_in_force(*row);
@@ -109,6 +122,9 @@ void Executor::power_on() {
 }
 
 void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& machine_position) {
+  leave_surface();
+  surface = {};
+  surface_path = {};
   leave_program();
   push_program(std::move(main), 0, 1);
   if (macros != nullptr) {
@@ -125,6 +141,7 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   at_standstill = true;
   queue.clear();
   queue_head = 0;
+  cancel_compensation();
   cycle.clear();
   finished = false;
   jumps = idle_jumps = 0;
@@ -162,10 +179,12 @@ Pull Executor::next(Operation& wanted) {
         cycle.name = nullptr;
         if (!finished) run_deferred();
       }
+      if (pipeline.active()) pipeline.take(*this);
       if (out_used) return Pull::operation;
       continue;
     }
     const Step result = step();
+    if (pipeline.active()) pipeline.take(*this);
     if (macros != nullptr && macros->variables.has_changes() &&
         (out_used || finished || result != Step::done))
       flush_changes();
@@ -219,6 +238,7 @@ void Executor::reset(const AxisVector& machine_position) {
   leave_program();
   queue.clear();
   queue_head = 0;
+  cancel_compensation();
   cycle.clear();
   finished = true;
   if (macros != nullptr) {
@@ -226,7 +246,7 @@ void Executor::reset(const AxisVector& machine_position) {
     reset_variables();
     flush_changes();
   }
-  if (dialect.reset_clears || data.bit(dialect.reset_clears_parameter)) power_on();
+  clear_modes();
   spindle_direction = SpindleDirection::stop;
   tool_life::leave(*this);
   if (own) own->reset(*this);
@@ -242,8 +262,17 @@ void Executor::reset_variables() {
   macros->interruption_on_now = false;
 }
 
+// A program begins in G40, and RESET leaves it so (0i-D, K2000TC L16153).
+void Executor::cancel_compensation() {
+  pipeline.clear();
+  if (const GCode* cancel = table->find(400); cancel != nullptr && cancel->group != 0) {
+    modal.g[cancel->group] = cancel->tenths;
+  }
+}
+
 void Executor::set_position(const AxisVector& machine_position) {
-  for (std::size_t i = 0; i < axes.size(); ++i) set_axis_machine(i, machine_position[i]);
+  const AxisVector place = place_in_plane(machine_position);
+  for (std::size_t i = 0; i < axes.size(); ++i) set_axis_machine(i, place[i]);
 }
 
 AxisVector Executor::to_work(const AxisVector& machine_position, const ModalSnapshot& under) const {

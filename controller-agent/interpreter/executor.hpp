@@ -23,9 +23,11 @@
 #include "interpreter/machine_data.hpp"
 #include "interpreter/macro_state.hpp"
 #include "interpreter/own_language.hpp"
+#include "interpreter/pipeline.hpp"
 #include "interpreter/polar_command.hpp"
 #include "interpreter/restart.hpp"
 #include "interpreter/skip.hpp"
+#include "interpreter/surface.hpp"
 #include "interpreter/tool_life.hpp"
 #include "interpreter/transform.hpp"
 #include "machine/machine.hpp"
@@ -64,7 +66,10 @@ struct ProgramAxis {
       false;  ///< …: an absolute command counts from the place within the turn, any number of turns
   bool centered = false;  ///< …: the page shows −180 … 180
   bool by_sign = false;  ///< …: the sign of an absolute command is the direction; otherwise the shorter way
-  std::int64_t turn = 0;  ///< one turn, nano degrees
+  std::int64_t turn = 0;                           ///< one turn, nano degrees
+  std::int64_t word_unit = program::kNano / 1000;  ///< what 1 without a decimal point is
+  bool on_circle = false;                          ///< rotary: F counts on an imaginary circle …
+  double circle_mm = 0;  ///< … of this radius; 0: the axis does not count (0i-D 5.5)
 };
 
 /// A program on the call stack.
@@ -88,7 +93,9 @@ struct Executor {
 
   // ---- what Interpreter offers (executor.cpp)
   void set_switches(const Switches& wanted);
-  void power_on();
+  /// @param keep bit n: group n stays as it is
+  void power_on(std::uint32_t keep = 0);
+  void clear_modes();  // clear_state.cpp: what RESET does to modes and coordinates
   void start(std::unique_ptr<program::Source> main, const AxisVector& machine_position);
   Pull next(Operation& out);
   // restart.cpp
@@ -100,8 +107,11 @@ struct Executor {
   void sample(const Operation& passed);
   void reset(const AxisVector& machine_position);
   void set_position(const AxisVector& machine_position);
+  void cancel_compensation();
   AxisVector to_work(const AxisVector& machine_position, const ModalSnapshot& under) const;
   void skip_ended(const AxisVector& machine_position, bool triggered);  // skip.cpp
+  Pull next_on_machine(Operation& out);     // surface.cpp: next(), in the machine's axes
+  const ModalSnapshot& modal_on_machine();  // surface.cpp
 
   // ---- reading (flow.cpp)
   enum class Step : std::uint8_t { done, wait, standstill };
@@ -188,6 +198,10 @@ struct Executor {
   }
   std::int64_t round_to(std::int64_t value, std::int64_t increment) const;
   double feed_value(const program::Word& word) const;
+  /// An axis word in nano units of the programming unit.
+  std::int64_t axis_value(const program::Word& word, const ProgramAxis& axis) const {
+    return word.point || pocket ? word.nano() : word.digits * axis.word_unit;
+  }
   /// A word that must be a whole number ≥ 0. @return -1 after raising an alarm.
   std::int64_t whole(char letter, AlarmReason otherwise);
 
@@ -210,7 +224,8 @@ struct Executor {
   double slide_mm(std::size_t axis) const { return work_now[axis] * axes[axis].mm_per_unit; }
   /// Moves the machine position to `axes[].position` and fills what all moves have in common.
   void fill_motion(Motion& motion, std::uint32_t moved);
-  bool emit_rapid_to_machine(const AxisVector& target, std::uint32_t moved, bool machine_coordinates);
+  bool emit_rapid_to_machine(const AxisVector& target, std::uint32_t moved, bool machine_coordinates,
+                             bool overlap = false);
   bool rapid();
   bool feed();
   bool cutting_feed(double path_mm, double& value, FeedUnit& unit);
@@ -223,8 +238,23 @@ struct Executor {
   double path_to_targets(const AxisVector& from_machine, std::uint32_t moved) const;
   static std::int64_t rolled(const ProgramAxis& axis, std::int64_t wanted);
   double within_turn(std::size_t axis, double work) const;
+  /// Factor on F for moves with rotary axes that count on an imaginary circle; 0: no axis counts (0i-D 5.5).
+  double imaginary_circle(const AxisVector& from, const AxisVector& to, std::uint32_t moved) const;
+  bool axes_at_once(std::uint32_t moved);
   /// After `transform` changed: written positions follow from where the axes stand.
   void follow_transform();
+  // ---- G07.1 and G12.1 (surface.cpp)
+  void enter_surface(const Surface& wanted, double unit_in_mm);
+  void leave_surface();
+  /// A machine position in the coordinates of the mode; the mode goes on from there. Without a mode: itself.
+  AxisVector place_in_plane(const AxisVector& machine_position);
+  /// Whether the block may stand in the mode. @return false after an alarm.
+  bool surface_allows();
+  bool compensation_is_off() const {
+    const auto& rules = dialect.modes;
+    return rules.compensation_group == 0 || modal.g[rules.compensation_group] == rules.compensation_off;
+  }
+
   /// Radius and angle words under G16 (polar_command.cpp). Takes its letters out of `mask`.
   bool take_polar(std::uint32_t& mask, std::uint32_t& moved);
   std::uint16_t assigned_skip_signals(std::int64_t number) const;  // skip.cpp
@@ -236,6 +266,7 @@ struct Executor {
   };
   PlaneIndex plane_axes() const { return plane_index; }
   void select_plane(Plane wanted);
+  bool one_axis_a_role();
   /// What an axis is in the basic system: 1 2 3 X Y Z, 5 6 7 parallel to them, 0 neither.
   int role_of(std::size_t axis) const;
   /// Parameters that change the language take effect: at the start of a program and after G10 L52.
@@ -244,16 +275,32 @@ struct Executor {
   double dwell_units_a_second() const;
 
   bool thread(bool variable);
+  bool thread_runout(const Thread& whole_thread, const AxisVector& from);
 
   // ---- words with a meaning of their own (feed_spindle.cpp, tool.cpp)
   bool take_feed();
   bool take_one_digit_feed(int digit);
   bool take_spindle();
   bool take_tool();
-  int offset_digits() const;            ///< of the T word
+  int offset_digits() const;          ///< of the T word
   std::int64_t offset_split() const;  ///< the offset number is the T word modulo this
   void emit_spindle();
+  double highest_rpm() const;  // spindle.cpp
+  std::uint8_t gear_of(double speed) const;
+  bool digits_fit(const program::Word& word, std::string_view parameter, std::string detail);
+  char second_auxiliary() const;
+  bool take_second_auxiliary(char letter);
   bool apply_tool_offset(std::int64_t geometry, std::int64_t wear, std::uint32_t column);
+
+  // ---- chamfers, corner rounds, angles (corner_words.cpp)
+  /// Reads the block's words for its corner and takes them out of `block.words`. @return false after an alarm.
+  bool take_corner_words();
+  /// After take_targets: the end point that the block's angle gives.
+  bool take_angle(std::uint32_t& moved);
+  bool take_d();
+  bool take_perpendicular(CornerRequest& request);
+  bool open_line();
+  double angle_deg(const program::Word& word) const;
 
   // ---- results
   template <typename T>
@@ -319,8 +366,19 @@ struct Executor {
   PolarCommand polar;
   SkipState skip;
   DataInputMode data_input;
+  SurfaceMode surface;
+  SurfacePath surface_path;
+  ModalSnapshot shown_modal;  ///< see modal_on_machine
+  bool any_rolls_over = false, any_on_circle = false;
+  bool polygon = false;     ///< G51.2
+  char gcode_system = 'A';  ///< in force: the switch, or the parameter
+  struct Codes {
+    std::int16_t first = 0, last = 0;
+  };
+  std::vector<Codes> absent_codes;  ///< G codes [tenths] of functions that parameters say the control has not
+  char auxiliary_letter = 0;        ///< of the second auxiliary function; 0: none
+  bool one_digit_feed = false;      ///< F1…F9 are digits
   ToolLife life;
-  bool any_rolls_over = false;
   bool one_digit_rapid = false;  ///< F0 of one-digit feed: cutting moves run at the rapid rate
   AxisVector increment_limit{};  ///< G91.1, programming units; 0: none
   double unit_mm = 1;            ///< mm of a programming unit
@@ -328,6 +386,7 @@ struct Executor {
   double feed_mm = -1;  ///< mm/min or mm/rev; < 0: never commanded
   double lead_mm = 0;   ///< last thread lead; 0: none
   double rpm = 0, surface_speed = 0, clamp_rpm = 0;
+  int surface_axis = -1;  ///< G96 P: axis index; -1: X
   SpindleDirection spindle_direction = SpindleDirection::stop;
   int length_sign = 0;             ///< G43: +1, G44: -1, G49: 0
   std::int64_t length_offset = 0;  ///< H number in force
@@ -368,6 +427,10 @@ struct Executor {
   std::uint64_t jumps = 0;       ///< since the last motion
   std::uint64_t idle_jumps = 0;  ///< since the last motion or assignment
   bool finished = true;
+
+  // ---- chamfers, corner rounds, G41/G42
+  Pipeline pipeline;
+  std::array<std::int64_t, 2> angle_from{};  ///< programmed position of the plane's axes before an angle block
 
   // ---- results of the block
   Operation* out = nullptr;

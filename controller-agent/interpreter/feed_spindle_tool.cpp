@@ -22,8 +22,10 @@ double Executor::feed_value(const program::Word& word) const {
   if (!word.point && !pocket) {
     if (feed_unit == FeedUnit::mm_per_minute) {
       unit = modal.inch ? numbers.feed_per_minute_unit_inch : numbers.feed_per_minute_unit_mm;
+      if (data.bit(dialect.modes.fine_feed_per_minute_parameter)) unit = modal.inch ? 0.00001 : 0.001;
     } else if (feed_unit == FeedUnit::mm_per_revolution) {
       unit = modal.inch ? numbers.feed_per_revolution_unit_inch : numbers.feed_per_revolution_unit_mm;
+      if (data.bit(dialect.modes.fine_feed_per_revolution_parameter)) unit = modal.inch ? 0.00001 : 0.001;
     } else {
       unit = 0.001;
     }
@@ -35,11 +37,11 @@ double Executor::feed_value(const program::Word& word) const {
 bool Executor::take_feed() {
   const program::Word& word = block['F'];
   if (action != nullptr && action->handler == handlers::contour_by_q) return true;  // its reference feed
-  if (motion_code->handler == handlers::thread || motion_code->handler == handlers::thread_variable) {
+  if (motion_code->handler == handlers::thread || motion_code->handler == handlers::thread_variable ||
+      motion_code->lead || (action != nullptr && action->lead)) {
     if (!dialect.threads.f_is_feed_too) return true;  // a lead: see thread()
   }
-  const auto& digit = dialect.modes.one_digit_feed;
-  if (!digit.enable.empty() && data.bit(digit.enable)) {
+  if (one_digit_feed) {
     one_digit_rapid = false;
     if (feed_unit == FeedUnit::mm_per_minute && !word.point && word.digits >= 0 && word.digits <= 9)
       return take_one_digit_feed(static_cast<int>(word.digits));
@@ -68,6 +70,7 @@ bool Executor::take_spindle() {
   if (own && own->take_spindle(*this) == OwnLanguage::Taken::done) return !finished;
   const program::Word& word = block['S'];
   const double value = word.value();
+  if (!digits_fit(word, dialect.modes.spindle_digits_parameter, "S")) return false;
   if (action != nullptr && action->handler == handlers::set_coordinates) {  // G50 S, G92 S: the clamp
     clamp_rpm = value;
     spindle_changed = true;
@@ -90,7 +93,9 @@ void Executor::emit_spindle() {
   state.direction = spindle_direction;
   state.constant_surface_speed = constant_surface_speed;
   state.speed = constant_surface_speed ? surface_speed : rpm;
-  state.clamp_rpm = clamp_rpm;
+  state.clamp_rpm = highest_rpm();
+  if (surface_axis >= 0) state.surface_axis = static_cast<std::uint8_t>(surface_axis);
+  state.gear = gear_of(rpm);
   spindle_changed = false;
 }
 
@@ -107,7 +112,8 @@ std::int64_t Executor::offset_split() const {
 bool Executor::take_tool() {
   const program::Word& word = block['T'];
   std::int64_t value = whole('T', AlarmReason::offset_number);
-  if (value < 0 || !tool_life::take_t(*this, value, word.column)) return false;
+  if (value < 0 || !digits_fit(word, dialect.modes.tool_digits_parameter, "T")) return false;
+  if (!tool_life::take_t(*this, value, word.column)) return false;
   if (!dialect.tools.lathe) {
     auto& tool = emit<Tool>();
     tool.at = at;

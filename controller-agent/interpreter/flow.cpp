@@ -179,6 +179,7 @@ Executor::Step Executor::read_block() {
   }
   const bool statement = read.status == program::LexStatus::statement;
   if (statement && (macros == nullptr || !macros->rules.statements)) {
+    pipeline.block_read();  // a macro statement counts as a block without movement (0i-D M, K2000TC L19782)
     if (own && own->statement(*this, read.statement, read.column) == OwnLanguage::Taken::done) {
       frame.at_start = false;
       return Step::done;
@@ -202,13 +203,14 @@ Executor::Step Executor::read_block() {
     }
     if (frame.at_start) frame.number = at.program = block.number;
   }
-  const bool empty = (block.words | block.g_count | block.m_count) == 0;
+  const bool empty = (block.words | block.marked | block.g_count | block.m_count) == 0;
   if (restarting && restart_reached(block.has_sequence, block.sequence, !empty)) {
     frame.rest = line_begin + place.within;  // read again by the next pull
     return Step::done;
   }
   if (!empty || block.has_sequence) frame.at_start = false;
   frame.macro.last = nullptr;
+  if (!empty) pipeline.block_read();
   if (!empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;
   run_block(empty, block.has_sequence, block.sequence);
   return Step::done;

@@ -15,6 +15,10 @@ bool reference_return_n(Executor& ex);
 bool reference_from(Executor& ex);
 bool reference_check(Executor& ex);
 bool data_input(Executor& ex);
+bool compensation_cancel(Executor& ex);
+bool compensation_left(Executor& ex);
+bool compensation_right(Executor& ex);
+bool corner_arc(Executor& ex);
 bool data_input_end(Executor& ex);
 bool dwell(Executor& ex);
 bool skip(Executor& ex);
@@ -33,6 +37,15 @@ bool spindle_watch_off(Executor& ex);
 bool contour_by_p(Executor& ex);
 bool increment_limit(Executor& ex);
 bool single_direction(Executor& ex);
+bool cylinder(Executor& ex);
+bool polygon_on(Executor& ex);
+bool polygon_off(Executor& ex);
+bool servo_mode(Executor& ex);
+bool surface_speed_on(Executor& ex);
+bool surface_speed_off(Executor& ex);
+bool select_unit(Executor& ex, bool inch);
+bool polar_interpolation_on(Executor& ex);
+bool polar_interpolation_off(Executor& ex);
 
 namespace {
 
@@ -51,16 +64,12 @@ bool arc_ccw(Executor& ex) {
 
 template <Plane plane>
 bool select_plane(Executor& ex) {
-  ex.select_plane(plane);
-  return true;
+  return ex.one_axis_a_role() && (ex.select_plane(plane), true);
 }
 
 template <bool inch>
-bool select_unit(Executor& ex) {
-  if (ex.modal.inch == inch) return true;
-  ex.set_units(inch);
-  ex.feed_mm = -1;  // F means something else now
-  return true;
+bool unit(Executor& ex) {
+  return select_unit(ex, inch);
 }
 
 template <bool incremental>
@@ -74,14 +83,6 @@ bool select_feed(Executor& ex) {
   if (ex.feed_unit != unit) ex.feed_mm = -1;  // F must be commanded again in the new unit
   ex.feed_unit = unit;
   ex.modal.per_revolution = unit == FeedUnit::mm_per_revolution;
-  return true;
-}
-
-template <bool on>
-bool surface_speed(Executor& ex) {
-  if (ex.constant_surface_speed != on) ex.spindle_changed = true;
-  ex.constant_surface_speed = on;
-  ex.modal.spindle_speed = on ? ex.surface_speed / (ex.modal.inch ? 0.3048 : 1) : ex.rpm;
   return true;
 }
 
@@ -129,7 +130,15 @@ bool tool_life_input(Executor& ex) {
   return l == 3 ? tool_life::input(ex) : ex.alarm(AlarmReason::g_unavailable, ex.code_column, "G10");
 }
 
+// G65 P and G66 P are taken before the block's words are looked at (macro_call.cpp). What comes here is a form of
+// G65 that is no call: the pattern screens of G65 H90-H94.
+bool macro_call(Executor& ex) {
+  return ex.alarm(AlarmReason::g_unavailable, ex.code_column, std::string(ex.code->name));
+}
+
 constexpr Named kHandlers[] = {
+    {"macro_call", Phase::action, macro_call},
+    {"macro_cancel", Phase::setting, nullptr},
     {"rapid", Phase::motion, rapid},
     {"feed", Phase::motion, feed},
     {"arc_cw", Phase::motion, arc_cw},
@@ -140,21 +149,25 @@ constexpr Named kHandlers[] = {
     {"plane_xy", Phase::setting, select_plane<Plane::xy>},
     {"plane_zx", Phase::setting, select_plane<Plane::zx>},
     {"plane_yz", Phase::setting, select_plane<Plane::yz>},
-    {"inch", Phase::setting, select_unit<true>},
-    {"metric", Phase::setting, select_unit<false>},
+    {"inch", Phase::setting, unit<true>},
+    {"metric", Phase::setting, unit<false>},
     {"absolute", Phase::setting, select_distance<false>},
     {"incremental", Phase::setting, select_distance<true>},
     {"feed_per_minute", Phase::setting, select_feed<FeedUnit::mm_per_minute>},
     {"feed_per_revolution", Phase::setting, select_feed<FeedUnit::mm_per_revolution>},
     {"feed_inverse_time", Phase::setting, select_feed<FeedUnit::inverse_time>},
-    {"surface_speed", Phase::setting, surface_speed<true>},
-    {"spindle_speed", Phase::setting, surface_speed<false>},
+    {"surface_speed", Phase::setting, surface_speed_on},
+    {"spindle_speed", Phase::setting, surface_speed_off},
     {"exact_stop_mode", Phase::setting, cutting_mode<CuttingMode::exact_stop>},
     {"cutting_mode", Phase::setting, cutting_mode<CuttingMode::cutting>},
     {"corner_override_mode", Phase::setting, cutting_mode<CuttingMode::corner_override>},
     {"tapping_mode", Phase::setting, cutting_mode<CuttingMode::tapping>},
     {"length_offset", Phase::setting, length_offset},
     {"work_select", Phase::setting, work_select},
+    {"compensation_cancel", Phase::setting, compensation_cancel},
+    {"compensation_left", Phase::setting, compensation_left},
+    {"compensation_right", Phase::setting, compensation_right},
+    {"corner_arc", Phase::action, corner_arc},
     {"exact_stop", Phase::modifier, nullptr},
     {"dwell", Phase::action, dwell},
     {"data_input", Phase::action, data_input},
@@ -177,6 +190,12 @@ constexpr Named kHandlers[] = {
     {"contour_by_p", Phase::action, contour_by_p},
     {"increment_limit", Phase::action, increment_limit},
     {"single_direction", Phase::action, single_direction},
+    {"cylinder", Phase::action, cylinder},
+    {"polygon_on", Phase::action, polygon_on},
+    {"polygon_off", Phase::action, polygon_off},
+    {"servo_mode", Phase::action, servo_mode},
+    {"polar_interpolation_on", Phase::action, polar_interpolation_on},
+    {"polar_interpolation_off", Phase::setting, polar_interpolation_off},
     {"reference_check", Phase::action, reference_check},
     {"reference_return", Phase::action, reference_return},
     {"reference_return_n", Phase::action, reference_return_n},

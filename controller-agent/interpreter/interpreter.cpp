@@ -45,7 +45,7 @@ const RestartState& Interpreter::restart_state() const {
   return executor_->restart_run.state;
 }
 Pull Interpreter::next(Operation& out) {
-  return executor_->next(out);
+  return executor_->next_on_machine(out);
 }
 void Interpreter::reset(const AxisVector& machine_position) {
   executor_->reset(machine_position);
@@ -60,7 +60,7 @@ void Interpreter::tool_cut_for(double seconds) {
   tool_life::cut_for(*executor_, seconds);
 }
 const ModalSnapshot& Interpreter::modal() const {
-  return executor_->modal;
+  return executor_->modal_on_machine();
 }
 AxisVector Interpreter::to_work(const AxisVector& machine_position, const ModalSnapshot& modal) const {
   return executor_->to_work(machine_position, modal);

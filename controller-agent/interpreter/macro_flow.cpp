@@ -70,7 +70,7 @@ CompiledBlock* Executor::keep_block(const program::LexResult& read, const BlockP
   c.skip = block.skip;
   c.is_statement = read.status == program::LexStatus::statement;
   c.column = read.column;
-  c.is_empty = !c.is_statement && (block.words | block.g_count | block.m_count) == 0;
+  c.is_empty = !c.is_statement && (block.words | block.marked | block.g_count | block.m_count) == 0;
   if (c.is_statement) {
     const macro::TextFault wrong =
         macro::compile_statement(read.statement, macros->rules, dialect.tools.lathe, c.statement);
@@ -161,6 +161,7 @@ Executor::Step Executor::carry_out(CompiledBlock& c) {
     if (!finished) alarm(result.fault, c.is_statement ? c.column : at.column);
     return Step::done;
   }
+  if (!c.is_empty) pipeline.block_read();
   if (c.is_statement) return Step::done;
   go_on_after(c);
   run_block(c.is_empty, c.has_sequence, c.sequence);

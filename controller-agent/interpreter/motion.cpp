@@ -1,12 +1,16 @@
 // Axes: units, zero points, targets, straight motion.
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "interpreter/executor.hpp"
 
 namespace headstock::interp {
 
 using program::kNano;
+
+constexpr double kFastest_mm_min = 999'000;
 
 std::optional<std::size_t> Executor::axis_named(char name) const {
   return machine.axis_index(name);
@@ -27,11 +31,29 @@ void Executor::set_units(bool inch_now) {
   std::int64_t increment = kNano / 1'000;
   if (data.bit(dialect.numbers.coarse_increment_parameter)) increment = kNano / 100;
   if (data.bit(dialect.numbers.fine_increment_parameter)) increment = kNano / 10'000;
+  const auto of_decimals = [this](std::string_view parameter, std::int64_t otherwise) {
+    const auto set = data.parameters.find(parameter);
+    if (parameter.empty() || set == data.parameters.end()) return otherwise;
+    const double decimals = std::clamp(set->second, 1.0, 4.0);
+    return kNano / program::kPowerOfTen[static_cast<std::size_t>(decimals)];
+  };
+  const std::int64_t rotary_increment = of_decimals(dialect.numbers.rotary_decimals_parameter, increment);
+  increment = of_decimals(dialect.numbers.linear_decimals_parameter, increment);
   linear_increment = inch_now ? increment / 10 : increment;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     ProgramAxis& axis = axes[i];
     axis.mm_per_unit = axis.diameter * (axis.rotary ? 1 : unit_mm);
-    axis.increment = axis.rotary ? increment : linear_increment;
+    const auto own_bit = [&](std::string_view bit) {  // one for each axis, or one for all
+      return !bit.empty() && data.bit(std::string(bit) + '/' + axis.name);
+    };
+    axis.increment = axis.rotary ? rotary_increment : linear_increment;
+    if (own_bit(dialect.numbers.coarse_increment_parameter))
+      axis.increment = kNano / (inch_now && !axis.rotary ? 1000 : 100);
+    if (own_bit(dialect.numbers.fine_increment_parameter))
+      axis.increment = kNano / (inch_now && !axis.rotary ? 100'000 : 10'000);
+    axis.word_unit = axis.increment;
+    if (data.bit(dialect.modes.tenfold_unit_parameter)) axis.word_unit *= 10;
+    if (own_bit(dialect.modes.axis_decimal_parameter)) axis.word_unit = kNano;
     set_axis_machine(i, machine_now[i]);
   }
 }
@@ -132,7 +154,7 @@ bool Executor::take_targets(std::uint32_t& moved) {
     const program::Word& word = block.word[letter];
     const auto index = static_cast<std::size_t>(axis_of[letter]);
     ProgramAxis& axis = axes[index];
-    std::int64_t value = nano(word, axis.increment);
+    std::int64_t value = axis_value(word, axis);
     if (dialect.numbers.rounding == dialects::Rounding::truncate) value -= value % axis.increment;
     if (transform.active())
       value = round_to(value, axis.increment);  // the position itself is not rounded then
@@ -147,6 +169,9 @@ bool Executor::take_targets(std::uint32_t& moved) {
                    std::string(1, static_cast<char>('A' + letter)));
     }
     axis.position = by ? axis.position + value : axis.rolls_over ? rolled(axis, value) : value;
+    if (axis.position > most || axis.position < -most)
+      return alarm(AlarmReason::position_overflow, word.column,
+                   std::string(1, static_cast<char>('A' + letter)));
     moved |= 1u << index;
   }
   return true;
@@ -200,14 +225,15 @@ void Executor::fill_motion(Motion& motion, std::uint32_t moved) {
   motion.cycle = cycle.name;
   motion.exact_stop = exact_stop_once || exact_stop_mode;
   motion.cutting_mode = cutting_mode;
+  motion.in_plane = surface.now.kind != SurfaceKind::none;
   if (any_rolls_over) {
     for (std::size_t i = 0; i < axes.size(); ++i) motion.end_work[i] = within_turn(i, work_now[i]);
   }
   if (own) own->moved(*this, motion);
 }
 
-bool Executor::emit_rapid_to_machine(const AxisVector& target, std::uint32_t moved,
-                                     bool machine_coordinates) {
+bool Executor::emit_rapid_to_machine(const AxisVector& target, std::uint32_t moved, bool machine_coordinates,
+                                     bool overlap) {
   for (std::uint32_t left = moved; left != 0; left &= left - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(left));
     set_axis_machine(i, target[i]);
@@ -221,13 +247,36 @@ bool Executor::emit_rapid_to_machine(const AxisVector& target, std::uint32_t mov
     motion.end_work[i] = within_turn(i, work_now[i]);
   motion.axes = moved;
   motion.machine_coordinates = machine_coordinates;
-  motion.exact_stop = true;
+  motion.overlap = overlap;
+  motion.exact_stop = !overlap;
   return true;
+}
+
+// More axes in a block than the control interpolates at once (PS0015).
+bool Executor::axes_at_once(std::uint32_t moved) {
+  const int most = dialect.modes.most_axes_at_once;
+  return most == 0 || std::popcount(moved) <= most || alarm(AlarmReason::too_many_axes, code_column, {});
+}
+
+double Executor::imaginary_circle(const AxisVector& from, const AxisVector& to, std::uint32_t moved) const {
+  double plain = 0, circle = 0;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if ((moved >> i & 1u) == 0) continue;
+    const double way = to[i] - from[i];
+    plain += way * way;
+    if (axes[i].on_circle) {
+      const double arc_mm = way * axes[i].circle_mm * std::numbers::pi / 180;
+      circle += arc_mm * arc_mm;
+    } else {
+      circle += way * way;
+    }
+  }
+  return circle > 0 ? std::sqrt(plain / circle) : 0;
 }
 
 bool Executor::rapid() {
   std::uint32_t moved = 0;
-  if (!take_targets(moved)) return false;
+  if (!take_targets(moved) || !axes_at_once(moved)) return false;
   if (moved == 0) return true;
   auto& motion = emit<Rapid>();
   fill_motion(motion, moved);
@@ -250,14 +299,11 @@ bool Executor::cutting_feed(double path_mm, double& value, FeedUnit& unit) {
 }
 
 bool Executor::feed() {
-  if (const std::uint32_t corner = block.words & dialect.corner_words;
-      corner != 0 && code->handler != nullptr && code->tenths == 10) {
-    const char letter = static_cast<char>('A' + std::countr_zero(corner));
-    return alarm(AlarmReason::g_unavailable, block[letter].column, std::string("G01 ") + letter);
-  }
   const AxisVector from = machine_now;
   std::uint32_t moved = 0;
   if (!take_targets(moved)) return false;
+  if (block.marked != 0 && !take_angle(moved)) return false;
+  if (!axes_at_once(moved)) return false;
   if (moved == 0) return true;
   if (one_digit_rapid) {
     auto& motion = emit<Rapid>();
@@ -266,6 +312,7 @@ bool Executor::feed() {
     return true;
   }
   if (feed_mm <= 0 || feed_unit == FeedUnit::inverse_time) {
+    if (path_to_targets(from, moved) == 0) return true;  // nothing moves: F is not missed (0i-D L3845, N02)
     double value = 0;
     FeedUnit unit{};
     if (!cutting_feed(path_to_targets(from, moved), value, unit)) return false;
@@ -279,6 +326,12 @@ bool Executor::feed() {
   fill_motion(motion, moved);
   motion.feed = feed_mm;
   motion.unit = feed_unit;
+  // Per minute, outside polar and cylindrical interpolation.
+  if (any_on_circle && feed_unit == FeedUnit::mm_per_minute && !motion.in_plane) {
+    const double factor = imaginary_circle(from, machine_now, moved);
+    // Only axes that do not count: as fast as cutting may be; the axes' own limits hold.
+    motion.feed = factor > 0 ? feed_mm * factor : kFastest_mm_min;
+  }
   return true;
 }
 

@@ -64,6 +64,21 @@ bool write_bits(Executor& ex, const std::string& number, const std::string& suff
   return left == 0 || ex.alarm(AlarmReason::parameter_range, word.column, "R");
 }
 
+// No.1220…1226 are the work zero offsets themselves (0i-D: external, G54…G59).
+bool work_origin(Executor& ex, std::uint32_t number, const std::string& suffix, double mm) {
+  constexpr std::uint32_t kExternal = 1220, kLast = 1226;
+  if (number < kExternal || number > kLast) return false;
+  const std::size_t axis = *ex.axis_named(suffix[1]);
+  double& cell =
+      number == kExternal ? ex.data.work_external[axis] : ex.data.work[number - kExternal - 1][axis];
+  const double before = cell;
+  cell = mm;
+  const std::string place = number == kExternal ? "EXT" : "G" + std::to_string(53 + number - kExternal);
+  if (before != mm) ex.report_change("work/" + place + suffix, before, mm);
+  ex.update_zeros();
+  return true;
+}
+
 bool parameter_line(Executor& ex) {
   if (!only_data(ex)) return false;
   const program::Block& b = ex.block;
@@ -96,8 +111,11 @@ bool parameter_line(Executor& ex) {
     if (!write_bits(ex, padded, suffix)) return false;
   } else {
     // Real numbers are written as whole numbers of their own least unit (N1322 P3 R4500 → 4.500 under IS-B).
-    const bool real = row.unit.starts_with("mm") || row.unit.starts_with("deg");
+    const bool real = row.unit.starts_with("mm") || row.unit.starts_with("deg") ||
+                      (b.sequence >= 1220 && b.sequence <= 1226);
     const auto value = static_cast<double>(b['R'].digits);
+    const double in_units = real ? value * static_cast<double>(increment) / 1e9 : value;
+    if (work_origin(ex, b.sequence, suffix, in_units)) return true;
     write(ex, number + suffix, real ? value * static_cast<double>(increment) / 1e9 : value);
   }
   ex.take_parameters();

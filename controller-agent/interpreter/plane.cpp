@@ -46,6 +46,19 @@ void Executor::select_plane(Plane wanted) {
   plane_index = {find(roles[0]), find(roles[1])};
 }
 
+// X and its parallel U both in the block with G17: which of them the plane has is not said (PS0021).
+bool Executor::one_axis_a_role() {
+  std::uint32_t roles = 0;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const int role = block.has(axes[i].name) ? basic_role(role_of(i)) : 0;
+    if (role == 0) continue;
+    if ((roles >> role & 1u) != 0)
+      return alarm(AlarmReason::arc_plane, block[axes[i].name].column, std::string(1, axes[i].name));
+    roles |= 1u << role;
+  }
+  return true;
+}
+
 double Executor::dwell_units_a_second() const {
   if (data.bit(dialect.numbers.coarse_increment_parameter)) return 100;
   return data.bit(dialect.numbers.fine_increment_parameter) ? 10'000 : 1'000;
@@ -54,7 +67,7 @@ double Executor::dwell_units_a_second() const {
 // Diameter programming and the kind of an axis come from the machine's description; a parameter overrules it.
 void Executor::take_parameters() {
   const auto& rules = dialect.modes;
-  any_rolls_over = false;
+  any_rolls_over = any_on_circle = false;
   for (ProgramAxis& axis : axes) {
     const auto set = [&](std::string_view number) -> std::optional<bool> {
       if (number.empty()) return std::nullopt;
@@ -63,6 +76,9 @@ void Executor::take_parameters() {
     };
     if (const auto diameter = set(rules.diameter_parameter)) axis.diameter = *diameter ? 0.5 : 1;
     if (const auto rotary = set(rules.rotary_parameter)) axis.rotary = *rotary;
+    axis.on_circle = axis.rotary && set(rules.imaginary_circle_parameter).value_or(false);
+    axis.circle_mm = data.parameter(std::string(rules.imaginary_radius_parameter) + '/' + axis.name);
+    any_on_circle = any_on_circle || axis.on_circle;
     axis.rolls_over = axis.rotary && set(rules.roll_over_parameter).value_or(false);
     axis.by_sign = set(rules.roll_over_by_sign_parameter).value_or(false);
     any_rolls_over = any_rolls_over || axis.rolls_over;
@@ -74,6 +90,12 @@ void Executor::take_parameters() {
   set_units(modal.inch);
   update_zeros();
   linear_rapid = data.bit(dialect.linear_rapid_parameter);
+  auxiliary_letter = second_auxiliary();
+  absent_codes.clear();
+  for (const auto& option : rules.options) {
+    if (data.bit(option.absent_parameter)) absent_codes.push_back({option.first, option.last});
+  }
+  one_digit_feed = data.bit(rules.one_digit_feed.enable);
 }
 
 }  // namespace headstock::interp

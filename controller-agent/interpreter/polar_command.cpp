@@ -53,7 +53,12 @@ bool Executor::take_polar(std::uint32_t& mask, std::uint32_t& moved) {
   }
   const double radians = std::remainder(polar.angle_deg, 360.0) * std::numbers::pi / 180;
   const auto put = [this](std::size_t axis, double mm) {
-    axes[axis].position = std::llround(mm / axes[axis].mm_per_unit * 1e9);
+    ProgramAxis& a = axes[axis];
+    a.position = std::llround(mm / a.mm_per_unit * 1e9);
+    // Where written digits are cut, a computed position is rounded all the same.
+    if (dialect.numbers.rounding == dialects::Rounding::truncate)
+      a.position =
+          (a.position + (a.position < 0 ? -a.increment : a.increment) / 2) / a.increment * a.increment;
   };
   put(first, polar.center_1 + polar.radius * std::cos(radians));
   put(second, polar.center_2 + polar.radius * std::sin(radians));

@@ -9,8 +9,9 @@ namespace headstock::interp::handlers {
 namespace {
 
 double reference_point(const Executor& ex, std::size_t axis, std::int64_t which) {
-  if (which == 1) return ex.machine.axes[axis].reference_mm;
-  std::string parameter(ex.dialect.modes.reference_parameters[static_cast<std::size_t>(which - 2)]);
+  const auto& rules = ex.dialect.modes;
+  std::string parameter(which == 1 ? rules.first_reference_parameter
+                                   : rules.reference_parameters[static_cast<std::size_t>(which - 2)]);
   parameter += '/';
   parameter += ex.axes[axis].name;
   const auto set = ex.data.parameters.find(parameter);
@@ -21,6 +22,7 @@ double reference_point(const Executor& ex, std::size_t axis, std::int64_t which)
 // Rapid to the block's point, which is kept per axis for G29.
 bool to_intermediate(Executor& ex, std::uint32_t& moved) {
   if (!ex.take_targets(moved)) return false;
+  if (!ex.dialect.compensation.keeps_to_intermediate) ex.pipeline.drop_for_block();
   if (moved == 0) return true;
   auto& motion = ex.emit<Rapid>();
   ex.fill_motion(motion, moved);
@@ -33,7 +35,26 @@ bool to_intermediate(Executor& ex, std::uint32_t& moved) {
   return true;
 }
 
+// In rotation, scaling or mirror image a return is only allowed with nothing in its way (0i-D K.6, PS0412):
+// no length offset on an axis that is turned along, and no incremental way to the intermediate point.
+bool conversion_allows(Executor& ex) {
+  if (!ex.transform.active()) return true;
+  const auto refuse = [&ex] {
+    return ex.alarm(AlarmReason::g_not_now, ex.code_column, std::string(ex.code->name));
+  };
+  if (!ex.compensation_is_off()) return refuse();
+  for (std::uint32_t mask = ex.block.words & ex.axis_letters; mask != 0; mask &= mask - 1) {
+    const auto letter = static_cast<unsigned>(std::countr_zero(mask));
+    const auto axis = static_cast<std::size_t>(ex.axis_of[letter]);
+    const bool by = ex.incremental || (ex.incremental_letters >> letter & 1u) != 0;
+    if ((by && ex.block.word[letter].digits != 0) || (ex.length_sign != 0 && ex.axes[axis].zero_tool != 0))
+      return refuse();
+  }
+  return true;
+}
+
 bool to_reference(Executor& ex, std::int64_t which) {
+  if (!conversion_allows(ex)) return false;
   std::uint32_t moved = 0;
   if (!to_intermediate(ex, moved)) return false;
   if (moved == 0 && ex.dialect.g28_alone_moves_all) moved = (1u << ex.axes.size()) - 1;

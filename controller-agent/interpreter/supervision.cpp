@@ -152,6 +152,60 @@ bool contour_by_p(Executor& ex) {
   return contour(ex, 'P', AlarmReason::look_ahead_format);
 }
 
+namespace {
+
+bool polygon_alone(Executor& ex) {
+  const std::uint32_t other = ex.block.words & ~program::letters("PQR");
+  if (other == 0 && ex.block.g_count == 1 && ex.block.m_count == 0) return true;
+  return ex.alarm(AlarmReason::polygon_alone, ex.code_column, std::string(ex.code->name));
+}
+
+}  // namespace
+
+// G51.2 P Q: tool axis and spindle turn in the ratio Q : P (0i-D d1 4.12).
+bool polygon_on(Executor& ex) {
+  if (!polygon_alone(ex)) return false;
+  if (ex.polygon) return ex.alarm(AlarmReason::polygon_again, ex.code_column, std::string(ex.code->name));
+  if (ex.data.parameter(ex.dialect.modes.polygon_axis_parameter) <= 0)
+    return ex.alarm(AlarmReason::polygon_axis, ex.code_column,
+                    "No." + std::string(ex.dialect.modes.polygon_axis_parameter));
+  constexpr std::int64_t kMost = 999;
+  std::int64_t ratio[2] = {};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const char letter = "PQ"[i];
+    if (!ex.block.has(letter))
+      return ex.alarm(AlarmReason::polygon_words, ex.code_column, std::string(1, letter));
+    const program::Word& word = ex.block[letter];
+    ratio[i] = word.integer();
+    const std::int64_t size = ratio[i] < 0 ? -ratio[i] : ratio[i];
+    if (size < 1 || size > kMost || (letter == 'P' && ratio[i] < 0))
+      return ex.alarm(AlarmReason::polygon_words, word.column, std::string(1, letter));
+  }
+  ex.polygon = true;
+  auto& mode = ex.emit<PolygonTurning>();
+  mode.at = ex.at;
+  mode.on = true;
+  mode.spindle_ratio = static_cast<std::int32_t>(ratio[0]);
+  mode.tool_ratio = static_cast<std::int32_t>(ratio[1]);
+  return true;
+}
+
+bool polygon_off(Executor& ex) {
+  if (!polygon_alone(ex)) return false;
+  ex.polygon = false;
+  ex.emit<PolygonTurning>().at = ex.at;
+  return true;
+}
+
+// G05.4 Q1/Q0: current loop of the maker's amplifier; nothing that Headstock's drives have. Accepted when
+// well formed.
+bool servo_mode(Executor& ex) {
+  if (!ex.block.has('Q')) return ex.alarm(AlarmReason::illegal_g, ex.code_column, std::string(ex.code->name));
+  const std::int64_t q = ex.whole('Q', AlarmReason::illegal_g);
+  return q >= 0 &&
+         (q <= 1 || ex.alarm(AlarmReason::illegal_g, ex.block['Q'].column, "Q" + std::to_string(q)));
+}
+
 // G91.1 IP: the largest increment an axis may be given; 0 lifts the limit.
 bool increment_limit(Executor& ex) {
   for (std::size_t i = 0; i < ex.axes.size(); ++i) {

@@ -140,11 +140,6 @@ AxisVector standing_at(const Executor& ex) {
   return at;
 }
 
-bool compensation_off(Executor& ex) {
-  const auto& rules = ex.dialect.modes;
-  return rules.compensation_group == 0 || ex.modal.g[rules.compensation_group] == rules.compensation_off;
-}
-
 }  // namespace
 
 // G51.1 IP: mirror at these coordinates.
@@ -180,7 +175,7 @@ bool mirror_off(Executor& ex) {
 // G51 X Y Z P, or I J K for each axis.
 bool scaling_on(Executor& ex) {
   const auto& rules = ex.dialect.modes;
-  if (ex.transform.rotated || !compensation_off(ex))
+  if (ex.transform.rotated || !ex.compensation_is_off())
     return ex.alarm(AlarmReason::g_not_now, ex.code_column, std::string(ex.code->name));
   Transform& t = ex.transform;
   t.scaled = 0;
@@ -239,7 +234,7 @@ bool rotation_on(Executor& ex) {
   const auto& rules = ex.dialect.modes;
   const auto [first, second] = ex.plane_axes();
   if (first < 0 || second < 0) return ex.alarm(AlarmReason::rotation_plane, ex.code_column, "G68");
-  if (!compensation_off(ex))
+  if (!ex.compensation_is_off())
     return ex.alarm(AlarmReason::g_not_now, ex.code_column, std::string(ex.code->name));
   double angle = 0;
   if (ex.block.has('R')) {

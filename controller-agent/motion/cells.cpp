@@ -13,11 +13,16 @@ constexpr double kJerkUnlimited = 1e9;
 // Shares of the limits. The rest of the acceleration brakes in a curve taken at its highest speed; the small
 // margins pay for derivatives that change within one period.
 constexpr double kVelocity = 0.9995, kAcceleration = 0.99, kJerk = 0.96;
-constexpr double kBendShare = 0.97;      // of the acceleration for curvature at the highest speed
-constexpr double kTwistShare = 0.6;      // of the jerk for twist at the highest speed
-constexpr double kSmoothingShare = 1.0;  // smoothing time over (acceleration / jerk)
-constexpr double kWindowMargin = 0.5;    // periods; a period may begin in one cell and end in another
-constexpr double kMostBendParts = 4, kBlur = 0.1;  // of a bend; share of its reach worth telling apart
+constexpr double kBendShare = 0.985;  // of the acceleration for curvature at the highest speed
+constexpr double kTwistShare = 0.6;   // of the jerk for twist at the highest speed
+// Smoothing time: twice acceleration / jerk lets a straight line use its whole acceleration, once of it blurs
+// half as much. The longer one pays as long as it is short beside the waves of a path.
+constexpr double kLongSmoothing_s = 0.010;
+// Periods. A step may begin in one cell and end in another; where the third derivative jumps the acceleration
+// of a step is not that of its middle.
+constexpr double kWindowMargin = 1.0, kSmoothMargin = 0.1;
+constexpr double kJump = 0.004;  // of the acceleration: error of a step's middle that is small enough
+constexpr double kMostBendParts = 8, kBlur = 0.05;  // of a bend; share of its reach worth telling apart
 constexpr std::size_t kMostSmoothing = 1024;
 
 }  // namespace
@@ -34,9 +39,13 @@ CellMaker::CellMaker(const machine::Machine& machine) : period_s_(machine.period
     fastest = std::hypot(fastest, std::max(axis.max_feed_mm_min, axis.rapid_mm_min) / 60);
   }
   smoothing_periods_ = std::clamp<std::size_t>(
-      static_cast<std::size_t>(std::lround(kSmoothingShare * longest / period_s_)), 1, kMostSmoothing);
+      static_cast<std::size_t>(
+          std::lround(std::max(longest, std::min(2 * longest, kLongSmoothing_s)) / period_s_)),
+      1, kMostSmoothing);
   smoothing_s_ = static_cast<double>(smoothing_periods_) * period_s_;
-  window_s_ = smoothing_s_ + kWindowMargin * period_s_;
+  // The average lies in the middle of what it averages: no value of a window is farther from it than half a
+  // window at the highest speed there.
+  window_s_ = (0.5 * (static_cast<double>(smoothing_periods_) - 1) + kWindowMargin) * period_s_;
   longest_reach_ = fastest * window_s_;
 }
 
@@ -46,6 +55,8 @@ void CellMaker::reset() {
   reaching_.clear();
   final_ = 0;
   newest_ = 0;
+  previous_.reset();
+  pending_.reset();
 }
 
 void CellMaker::measure(const Span& span, double from, double to, RawCell& cell) {
@@ -97,6 +108,7 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
                    (axes_[i].jerk - twist[i] * cell.speed * cell.speed * cell.speed) / per_acceleration);
   }
   cell.reach = cell.speed * window_s_;
+  if (smoothing_periods_ == 1 && smooth_around(span, cell.speed)) cell.reach *= kSmoothMargin / kWindowMargin;
 }
 
 void CellMaker::limit(RawCell& target, const RawCell& by) {
@@ -110,7 +122,33 @@ void CellMaker::limit(RawCell& target, const RawCell& by) {
   }
 }
 
+bool CellMaker::smooth_around(const Span& span, double speed) const {
+  const double factor = speed * speed * speed * period_s_;
+  const auto jumps = [&](const Span& other) {
+    for (std::size_t i = 0; i < axes_.size(); ++i)
+      if (std::abs(span.c[3][i] - other.c[3][i]) * factor > kJump * axes_[i].acceleration) return true;
+    return false;
+  };
+  const Span straight{};
+  return !jumps(previous_ ? *previous_ : straight) && !jumps(following_ ? *following_ : straight);
+}
+
 void CellMaker::add(const Span& span) {
+  // One span late: what follows decides how far its limits have to reach.
+  if (pending_) {
+    following_ = &span;
+    cut(*pending_);
+    previous_ = *pending_;
+  }
+  pending_ = span;
+  if (!span.stop) return;
+  following_ = nullptr;
+  cut(span);
+  previous_.reset();
+  pending_.reset();
+}
+
+void CellMaker::cut(const Span& span) {
   // A bend is cut so that its limits follow it, as far as spreading them would not blur that again; a
   // straight stretch has only one set.
   const double length = span.end - span.begin;

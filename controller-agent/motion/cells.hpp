@@ -7,8 +7,8 @@
 //     rate v <= V      bend v² + rate |a| <= A      twist v³ + 3 bend v |a| + rate |j| <= J.
 // The moving average of `smoothing_s` makes |j| <= 2 max|a| / smoothing_s, which turns the third into a limit
 // on a. Because averaged values mix what happened within that time, each cell's limits are also laid on
-// everything within its own highest speed times that time, before and behind ("spreading"): whoever is
-// farther away cannot get here within the window without having gone faster than allowed there.
+// everything within its own highest speed times half that time, before and behind ("spreading"): a window
+// whose average lies here and that reaches farther would have gone faster than allowed near here.
 #pragma once
 
 #include <algorithm>
@@ -16,6 +16,7 @@
 #include <atomic>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "machine/machine.hpp"
@@ -46,11 +47,39 @@ struct Cell {
   /// v² at `begin` from which the path ahead can be followed; only ever raised while published.
   std::array<std::atomic<double>, kPlanCount> entry{};
 
-  double acceleration_at(double speed_squared) const { return left_of(loss_up, speed_squared); }
   double braking_at(double speed_squared) const { return left_of(loss_down, speed_squared); }
+  /// The same for a whole period: the square of the speed counts in its middle, where speeding up has made
+  /// more of it than there was, and braking less.
+  double acceleration_for(double speed, double period_s) const {
+    double a = most_acceleration;
+    for (std::size_t i = 0; i < axes; ++i)
+      a = std::min(
+          a, (gain[i] - loss_up[i] * speed * speed) / (1 + std::max(0.0, loss_up[i]) * speed * period_s));
+    return a > 0 ? a : 0;
+  }
+  double braking_for(double speed, double period_s) const {
+    double a = most_acceleration;
+    for (std::size_t i = 0; i < axes; ++i)
+      a = std::min(a, (gain[i] - loss_down[i] * speed * speed) /
+                          (1 + std::max(0.0, -loss_down[i]) * speed * period_s));
+    return a > 0 ? a : 0;
+  }
   /// Braking allowed at every speed up to this one.
   double braking_up_to(double speed_squared) const {
     return std::min(braking_at(speed_squared), braking_at(0));
+  }
+
+  /// Highest v² from which, braking over `way`, v² = `ahead` is reached.
+  double entry_before(double ahead, double way) const {
+    const double twice = 2 * way;
+    double square = ahead + twice * most_acceleration;
+    for (std::size_t i = 0; i < axes; ++i) {
+      // Curvature counts where it leaves least: at the entry when it costs, at the end of the cell when it
+      // helps.
+      const double loss = twice * loss_down[i], most = ahead + twice * gain[i];
+      square = std::min(square, loss > 0 ? most / (1 + loss) : most - loss * ahead);
+    }
+    return square;
   }
 
  private:
@@ -106,6 +135,9 @@ class CellMaker {
   };
   void append(RawCell cell);
   void spread_back(const RawCell& from);
+  void cut(const Span& span);
+  /// Does the third derivative change little enough at both ends of the span for steps at this speed?
+  bool smooth_around(const Span& span, double speed) const;
   void measure(const Span& span, double from, double to, RawCell& cell);
   void add_cell(RawCell cell, bool stop);
   static void limit(RawCell& target, const RawCell& by);
@@ -121,6 +153,8 @@ class CellMaker {
   std::vector<RawCell> reaching_;  // cells whose limits still reach beyond the newest
   std::size_t final_ = 0;          // staged_ cells that are final
   double newest_ = 0;
+  std::optional<Span> previous_, pending_;
+  const Span* following_ = nullptr;  // of pending_, while it is cut
 };
 
 }  // namespace headstock::motion

@@ -19,8 +19,9 @@ namespace {
 
 constexpr std::size_t kSpans = 16'384;
 constexpr std::size_t kCells = 16'384;
-constexpr std::size_t kPlanPiece = 512;  // cells one plan() makes at most, and how far entries are batched
-constexpr int kStartPatience = 32;       // periods at rest before starting with a look-ahead that is not full
+constexpr std::size_t kPlanPiece = 512;     // cells one plan() makes at most, and how far entries are batched
+constexpr std::uint64_t kBlocksAhead = 64;  // looked at for a block end that can still be stopped at
+constexpr int kStartPatience = 32;  // periods at rest before starting with a look-ahead that is not full
 constexpr double kAny = std::numeric_limits<double>::infinity();
 
 /// What the real-time thread knows of a move.
@@ -29,6 +30,7 @@ struct MoveOnPath {
   AxisVector end{};
   double length_end = 0;
   FeedKind kind = FeedKind::feed;
+  bool block_end = true, skip = false;
   ThreadCourse thread;
 };
 
@@ -74,6 +76,8 @@ struct Kernel::Impl {
     MoveOnPath& info = moves[moves_written];
     info = {};
     info.tag = move.tag;
+    info.block_end = move.block_end;
+    info.skip = move.skip;
     Piece piece;
     piece.curve = Curve::from(path_end, move, axes);
     piece.begin = path_length;
@@ -178,6 +182,8 @@ struct Kernel::Impl {
     move_cursor = leading_move = from.move;
     law.reset(0, from.cell);
     sync.stop();
+    single = {};
+    skipped = false;
     patience = 0;
     release();
   }
@@ -194,6 +200,12 @@ struct Kernel::Impl {
     return cursor < end ? &moves[cursor] : nullptr;
   }
 
+  /// The move the law's leading length is on.
+  const MoveOnPath* leading() {
+    leading_move = std::max(leading_move, move_cursor);  // those before are released
+    return move_at(leading_move, law.leading_length());
+  }
+
   /// At rest: may motion start from this cell?
   bool may_start() {
     const std::uint64_t cell = law.cell();
@@ -207,15 +219,15 @@ struct Kernel::Impl {
 
   Demand demand(const Overrides& overrides, double phase_rad, double rpm) {
     Demand demand;
-    const bool dropping = aborting.load(std::memory_order_acquire);
+    const bool dropping = skipped || aborting.load(std::memory_order_acquire);
     if (law.at_rest()) {
       if (dropping) {
         stood.store(true, std::memory_order_release);
         demand.ratio = 0;
         return demand;
       }
-      if (!overrides.hold) law.pass_stop();
-      if (!may_start()) {
+      if (!stands_at_block_end(overrides) && !overrides.hold) law.pass_stop();
+      if (single.standing || !may_start()) {
         demand.ratio = 0;
         return demand;
       }
@@ -226,8 +238,9 @@ struct Kernel::Impl {
     demand.ratio = 0;
     if (cell.kind != FeedKind::thread) sync.stop();
     if (dropping) return demand;
+    demand.stop_at = block_stop(overrides);
     if (cell.kind == FeedKind::thread) {
-      const MoveOnPath* cutting = move_at(leading_move, law.leading_length());
+      const MoveOnPath* cutting = leading();
       if (!cutting || (overrides.hold && !sync.running())) return demand;
       return sync.demand(cutting->thread, law.at_rest() && law.leading_length() == cutting->thread.begin,
                          phase_rad, rpm, law);
@@ -247,6 +260,54 @@ struct Kernel::Impl {
     return demand;
   }
 
+  /// Standing at a block end? Takes the operator's go-ahead.
+  bool stands_at_block_end(const Overrides& overrides) {
+    if (single.standing && overrides.go != single.go) {
+      single.standing = single.chosen = false;
+      single.passed = single.at;
+    }
+    return single.standing;
+  }
+
+  /// Where to stop for single block: chosen once, kept until the axes stand there. Infinite: nowhere for now.
+  double block_stop(const Overrides& overrides) {
+    if (!overrides.single_block && !single.standing) single.chosen = false;
+    if (!overrides.single_block) return kAny;
+    if (single.chosen && law.leading_length() > single.at + 1e-6) single.chosen = false;
+    if (!single.chosen) {
+      const std::uint64_t end = moves.published();
+      leading();
+      // The last move known is no block to stop behind: what comes after it is not queued, or ends the queue.
+      for (std::uint64_t k = leading_move; k + 1 < end && k - leading_move < kBlocksAhead; ++k) {
+        const MoveOnPath& move = moves[k];
+        if (!move.block_end || move.length_end <= single.passed || move.length_end < law.leading_length())
+          continue;
+        if (move.kind == FeedKind::thread && moves[k + 1].kind == FeedKind::thread) continue;
+        const TimeLaw::StopPlan plan_there = law.plan_stop(move.length_end);
+        if (plan_there == TimeLaw::StopPlan::possible) {
+          single.chosen = true;
+          single.at = move.length_end;
+        } else if (plan_there == TimeLaw::StopPlan::impossible) {
+          single.passed = move.length_end;  // too near; the next one in the next period
+        }
+        break;
+      }
+    }
+    return single.chosen ? single.at : kAny;
+  }
+
+  void latch_skip(const Overrides& overrides, Sample& sample) {
+    if (!skipped && overrides.skip_signal && sample.moving) {
+      const MoveOnPath* tracing = move_at(move_cursor, law.length());
+      if (tracing && tracing->skip) {
+        skipped = true;
+        skip_position = sample.position;
+      }
+    }
+    sample.skipped = skipped;
+    sample.skip_position = skip_position;
+  }
+
   Sample step(const Overrides& overrides, double phase_rad, double rpm) {
     take_restart();
     const Demand wanted = demand(overrides, phase_rad, rpm);
@@ -262,6 +323,8 @@ struct Kernel::Impl {
     for (std::size_t i = 0; i < axes; ++i) sample.velocity[i] = (standing[i] - position_before[i]) / period_s;
     sample.path_speed_mm_s = (law.length() - before) / period_s;
     sample.moving = !law.at_rest();
+    sample.threading = wanted.follow;
+    if (wanted.follow) sample.thread_error_mm = law.leading_length() - wanted.target;
     const std::uint64_t last_cell = cells.published();
     sample.queue_empty = last_cell == law.cell() ||
                          (law.cell() + 1 == last_cell && law.leading_length() == cells[law.cell()].end);
@@ -272,6 +335,12 @@ struct Kernel::Impl {
     }
     sample.starved = sample.queue_empty && tracing && tracing->length_end > law.leading_length();
     sample.queue_empty = sample.queue_empty && !sample.moving && !sample.starved;
+    if (!sample.moving && !single.standing && single.chosen && law.leading_length() == single.at) {
+      single.standing = true;
+      single.go = overrides.go;
+    }
+    sample.block_stopped = single.standing;
+    latch_skip(overrides, sample);
     release();
     return sample;
   }
@@ -303,6 +372,13 @@ struct Kernel::Impl {
   TimeLaw law;
   ThreadSync sync;
   AxisVector standing{};
+  struct {
+    bool chosen = false, standing = false;
+    double at = 0, passed = -1;  // lengths; a block end that was stopped at is not stopped at again
+    std::uint32_t go = 0;
+  } single;
+  bool skipped = false;
+  AxisVector skip_position{};
   std::uint64_t restart_taken = 0, span_cursor = 0, move_cursor = 0, leading_move = 0;
   int patience = 0;
 };

@@ -57,6 +57,8 @@ struct Move {
   std::variant<PathFeed, RevolutionFeed, RapidFeed, ThreadFeed> feed;
   bool exact_stop = false;     ///< stop at the end; no rounding there
   double tolerance_mm = 0.01;  ///< how far the corner at the end may be rounded; 0 is an exact stop
+  bool block_end = true;       ///< the program's block ends with this move: single block may stop here
+  bool skip = false;           ///< the skip signal ends this move (G31); give it an exact stop
 };
 
 /// The feed is never raised above this, whatever the switch says (0…254 % is the widest of the controllers'
@@ -68,6 +70,11 @@ struct Overrides {
   double feed = 1;    ///< 0…kMaxOverride
   double rapid = 1;   ///< 0…1
   bool hold = false;  ///< feed hold: stop inside the limits, path kept; released: goes on
+  /// Stop where the block being traced ends; in the first block end the axes can still stop at where that one
+  /// is too near. The path is kept: at a rounded corner they stand on the rounding.
+  bool single_block = false;
+  std::uint32_t go = 0;      ///< each change lets one single-block stop go on
+  bool skip_signal = false;  ///< latches the position and ends a move that has `skip`
 };
 
 /// One period's result.
@@ -80,6 +87,11 @@ struct Sample {
   bool moving = false;          ///< false: at rest
   bool queue_empty = false;     ///< nothing planned is left to trace
   bool starved = false;         ///< standing or braking because no more moves came, without finish()
+  bool block_stopped = false;   ///< standing at a block end because of single block, until `go` changes
+  bool skipped = false;         ///< the skip signal came; the axes brake, then everything queued is dropped
+  AxisVector skip_position{};   ///< commanded position in the period it came
+  bool threading = false;       ///< bound to the spindle's phase
+  double thread_error_mm = 0;   ///< threading: how far ahead (+) of the spindle the tool is, along the path
 };
 
 class Kernel {
@@ -111,7 +123,8 @@ class Kernel {
   Sample step(const Overrides& overrides, double spindle_phase_rad, double spindle_rpm);
 
   // ---- any thread
-  /// Ramp down inside the limits, then drop everything queued. `aborted()` tells when the axes stand.
+  /// Ramp down inside the limits, then drop everything queued. `aborted()` tells when the axes stand. A skip
+  /// does the same by itself.
   void abort();
   bool aborted() const;
 

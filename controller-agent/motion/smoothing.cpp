@@ -13,12 +13,12 @@ constexpr std::size_t kAhead =
     20;  // moves known before knots are placed: keeps knots independent of when moves come
 constexpr std::size_t kWindow = 10;  // corners to either side that may share a blend
 constexpr double kAligned =
-    0.8 * 6;  // share of the tolerance for a corner with a knot on it (error: turn * d / 6)
-constexpr double kBesideArc = 0.5 * 6;  // the arc's own knots take a share, too
-constexpr double kMerged = 0.5;         // share for corners without knots
-constexpr double kArc = 0.35 * 6;       // share of an arc's ends (error: d² / 6 radius)
-constexpr double kArcAngle = 0.15;      // rad between knots inside an arc
-constexpr double kMostWidth = 50;       // mm
+    0.77 * 6;  // share of the tolerance for a corner with a knot on it (error: turn * d / 6)
+constexpr double kBesideArc = 0.48 * 6;  // the arc's own knots take a share, too
+constexpr double kMerged = 0.47;         // share for corners without knots
+constexpr double kArc = 0.35 * 6;        // share of an arc's ends (error: d² / 6 radius)
+constexpr double kArcAngle = 0.15;       // rad between knots inside an arc
+constexpr double kMostWidth = 50;        // mm
 
 /// Largest error a unit corner makes at distance x when knots are `width` apart (an upper envelope over all
 /// positions).
@@ -29,6 +29,14 @@ double envelope(double x, double width) {
 
 double tangent_change(const Curve& from, const Curve& to) {
   return distance(from.tangent(from.length), to.tangent(0));
+}
+
+/// Knot distance a piece allows beside it: a short arc is a corner to knots farther apart than its length.
+double width_beside(const Piece& piece) {
+  if (!piece.curve.is_arc) return kAny;
+  const double bend = std::max(std::abs(piece.curve.angle_per_mm), 1e-12), length = piece.curve.length;
+  const double own = std::sqrt(kArc * piece.tolerance / bend);
+  return own <= length ? own : std::max(length, kBesideArc * piece.tolerance / (bend * length));
 }
 
 AxisVector mix(const AxisVector& p, double wp, const AxisVector& q, double wq, double over) {
@@ -102,6 +110,7 @@ const Smoother::Corner& Smoother::measured(std::size_t index) {
   const double room = std::min(piece.curve.length, following.curve.length);
   corner.width = std::min(
       kMostWidth, (beside_arc ? kBesideArc : kAligned) * piece.tolerance / std::max(corner.turn, 1e-12));
+  if (beside_arc) corner.width = std::min({corner.width, width_beside(piece), width_beside(following)});
   if (beside_arc || corner.width <= room) return corner;
   // A neighbour is shorter than the blend: can knots be further apart than the corners?
   double width = std::min(
@@ -174,6 +183,7 @@ bool Smoother::place_knots() {
   if (nodes_[placing_].piece.stop) {
     knot(nodes_[placing_].piece.end);
     knot(nodes_[placing_].piece.end);
+    controls_.back() = nodes_[placing_].piece.curve.end;
     width_before_ = kAny;
     last_interval_ = 0;
   }
@@ -205,10 +215,12 @@ void Smoother::emit_arc(const Piece& piece, double before, double after) {
   // In the plane the spline turns by angle, whatever the pitch of a helix: error = radius * angle² / 6 at the
   // ends.
   const double angle = std::min(kArcAngle, std::sqrt(kArc * piece.tolerance / radius));
-  const double interval = angle * per_rad;
+  double interval = angle * per_rad;
   double begin = piece.begin, end = piece.end;
   const bool near_begin = before < interval && before < 0.4 * curve.length;
   const bool near_end = after < interval && after < 0.4 * curve.length;
+  if (!near_begin) interval = std::min(interval, before);
+  if (!near_end) interval = std::min(interval, after);
   if (near_begin) knot(begin += before);
   if (near_end) end -= after;
   const double count = std::max(1.0, std::ceil((end - begin) / interval - 1e-9));
@@ -270,6 +282,7 @@ bool Smoother::next(Span& out) {
   out.begin = c;
   out.end = d;
   out.stop = e == d && f == d;
+  if (out.stop) out.stop_point = ddd;
   double bend = 0;
   for (std::size_t i = 0; i < axes_; ++i) {
     const double second_0 = ccc[i] - 2 * ccd[i] + cdd[i], second_1 = ccd[i] - 2 * cdd[i] + ddd[i];

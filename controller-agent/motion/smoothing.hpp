@@ -26,10 +26,12 @@ namespace headstock::motion {
 struct Span {
   double begin = 0, end = 0;  ///< programmed length since the start of the path [mm]
   std::array<AxisVector, 4> c{};
-  bool straight = false;  ///< c[2] and c[3] are zero
-  bool stop = false;      ///< the path stops at `end`
+  bool straight = false;    ///< c[2] and c[3] are zero
+  bool stop = false;        ///< the path stops at `end`
+  AxisVector stop_point{};  ///< where: the programmed end, not its rounded evaluation
 
   AxisVector position(double length) const {
+    if (stop && length >= end) return stop_point;
     const double u = length - begin;
     AxisVector p;
     for (std::size_t i = 0; i < p.size(); ++i) p[i] = c[0][i] + u * (c[1][i] + u * (c[2][i] + u * c[3][i]));

@@ -8,7 +8,8 @@ namespace headstock::motion {
 namespace {
 
 constexpr double kArrived = 1e-9;  // mm
-constexpr int kMostCells = 256;    // looked at in one period
+constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr std::uint64_t kMostCells = 256;  // looked at in one period
 
 /// Weights of the speed plans for a ratio of the reference feed: linear in v², where the limits are linear
 /// too.
@@ -39,7 +40,10 @@ struct Mix {
 }  // namespace
 
 TimeLaw::TimeLaw(const Ring<Cell>& cells, double period_s, std::size_t smoothing_periods)
-    : cells_(cells), period_s_(period_s), window_(std::max<std::size_t>(1, smoothing_periods), 0.0) {}
+    : cells_(cells),
+      period_s_(period_s),
+      window_(std::max<std::size_t>(1, smoothing_periods), 0.0),
+      stop_(kStopCells) {}
 
 void TimeLaw::reset(double length, std::uint64_t cell) {
   std::fill(window_.begin(), window_.end(), length);
@@ -47,14 +51,15 @@ void TimeLaw::reset(double length, std::uint64_t cell) {
   speed_ = 0;
   still_ = window_.size();
   cell_ = cell;
+  stop_cells_ = 0;
 }
 
 double TimeLaw::acceleration_at(double speed) const {
-  return cell_ < cells_.published() ? cells_[cell_].acceleration_at(speed * speed) : 0;
+  return cell_ < cells_.published() ? cells_[cell_].acceleration_for(speed, period_s_) : 0;
 }
 
 double TimeLaw::braking_at(double speed) const {
-  return cell_ < cells_.published() ? cells_[cell_].braking_at(speed * speed) : 0;
+  return cell_ < cells_.published() ? cells_[cell_].braking_for(speed, period_s_) : 0;
 }
 
 double TimeLaw::reachable(double ratio, double most) const {
@@ -81,6 +86,50 @@ double TimeLaw::reachable(double ratio, double most) const {
   return 0;
 }
 
+TimeLaw::StopPlan TimeLaw::plan_stop(double length) {
+  const std::uint64_t end = cells_.published();
+  stop_cells_ = 0;
+  std::uint64_t last = cell_;
+  while (last < end && cells_[last].end < length - kArrived && !cells_[last].stop &&
+         last - cell_ < kStopCells)
+    ++last;
+  if (last >= end || last - cell_ >= kStopCells || cells_[last].end < length - kArrived)
+    return StopPlan::too_far;
+  if (cells_[last].stop && cells_[last].end <= length + kArrived)
+    return StopPlan::possible;  // stops by itself
+  // The backward pass of the speed plan, from rest at `length`. Here one more period has gone by at this
+  // speed.
+  const double here = leading_ + speed_ * period_s_;
+  if (here > length) return StopPlan::impossible;
+  double ahead = 0;
+  for (std::uint64_t k = last + 1; k-- > cell_;) {
+    const Cell& cell = cells_[k];
+    const double way = std::min(cell.end, length) - std::max(cell.begin, here);
+    double entry = ahead;
+    if (way > 0) entry = std::min(cell.ceiling.back(), cell.entry_before(ahead, way));
+    stop_[k - cell_] = {ahead, way > 0 ? std::max(0.0, (entry - ahead) / (2 * way)) : 0.0};
+    ahead = entry;
+  }
+  if (speed_ * speed_ > ahead) return StopPlan::impossible;
+  stop_first_ = cell_;
+  stop_cells_ = last + 1 - cell_;
+  stop_at_ = length;
+  return StopPlan::possible;
+}
+
+double TimeLaw::towards_stop(double most) const {
+  if (stop_cells_ == 0) return most;
+  const double t = period_s_;
+  for (std::uint64_t k = cell_; k < stop_first_ + stop_cells_; ++k) {
+    const auto& [next, braking] = stop_[k - stop_first_];
+    const double to_end = std::min(cells_[k].end, stop_at_) - leading_, crossing = to_end / t;
+    if (k + 1 < stop_first_ + stop_cells_ && crossing < most && crossing * crossing <= next) continue;
+    const double bt = braking * t, under = bt * bt + next + 2 * braking * to_end;
+    return std::max(0.0, std::min(most, under > 0 ? std::sqrt(under) - bt : 0));
+  }
+  return 0;
+}
+
 void TimeLaw::advance(const Demand& demand) {
   const double t = period_s_;
   const std::uint64_t end = cells_.published();
@@ -97,11 +146,16 @@ void TimeLaw::advance(const Demand& demand) {
                           std::max(0.0, speed_ - brake), speed_ + step);
     } else {
       wanted = demand.ratio <= 0 ? 0 : reachable(demand.ratio, speed_ + step);
+      if (demand.stop_at < kFar) wanted = std::min(wanted, towards_stop(speed_ + step));
       wanted = std::max(wanted, speed_ - brake);
     }
     speed = std::max(0.0, std::min(hard, wanted));
   }
   double leading = leading_ + speed * t;
+  if (!demand.follow && std::abs(leading - demand.stop_at) <= kArrived) {
+    leading = demand.stop_at;
+    speed = 0;
+  }
   while (cell_ < end) {
     const Cell& cell = cells_[cell_];
     const bool last = cell.stop || cell_ + 1 == end;

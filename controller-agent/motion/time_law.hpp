@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "motion/cells.hpp"
@@ -20,6 +21,8 @@ struct Demand {
   bool follow = false;      ///< thread: be at `target`, moving at `target_speed`, instead
   double target = 0;        ///< length [mm]
   double target_speed = 0;  ///< mm/s
+  /// Come to rest at this length; plan_stop() said that it is possible.
+  double stop_at = std::numeric_limits<double>::infinity();
 };
 
 class TimeLaw {
@@ -39,12 +42,19 @@ class TimeLaw {
   double braking_at(double speed) const;
   /// How much the moving average lags behind [s].
   double lag_s() const { return 0.5 * static_cast<double>(window_.size() - 1) * period_s_; }
+  enum class StopPlan : std::uint8_t { possible, impossible, too_far };
+  /// Can the law come to rest at this length, ahead of it? Makes the plan that Demand::stop_at then follows.
+  StopPlan plan_stop(double length);
   /// At rest at an exact stop with more path behind it: go on from there.
   bool pass_stop();
 
  private:
   /// Highest speed, at most `most`, that the plan mixed for `ratio` allows at the end of this period.
   double reachable(double ratio, double most) const;
+  /// Highest speed, at most `most`, from which the planned stop is still reached.
+  double towards_stop(double most) const;
+
+  static constexpr std::size_t kStopCells = 1024;  // a stop is planned over at most
 
   const Ring<Cell>& cells_;
   double period_s_;
@@ -53,6 +63,13 @@ class TimeLaw {
   std::size_t still_ = 0;  // periods `leading_` has not moved
   double leading_ = 0, speed_ = 0, length_ = 0;
   std::uint64_t cell_ = 0;
+  struct StopCell {
+    double next = 0;     // v² where the cell ends
+    double braking = 0;  // in it
+  };
+  std::vector<StopCell> stop_;  // from cell stop_first_ on
+  std::uint64_t stop_first_ = 0, stop_cells_ = 0;
+  double stop_at_ = 0;
 };
 
 }  // namespace headstock::motion

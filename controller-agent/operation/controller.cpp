@@ -113,6 +113,7 @@ Controller::Impl::Impl(machine::Machine machine_in, interp::MachineData data_in,
       interpreter(dialect_of(machine), machine, data, &programs),
       feed(machine, kernel, tags),
       switches(options.switches),
+      skip_input(options.skip_input),
       retained(options.retained) {
   const AxisVector home = reference_position(machine);
   kernel.set_position(home);
@@ -156,6 +157,7 @@ CommandResult Controller::Impl::command(const Command& command) {
       return cycle_start(command.origin);
     case Action::feed_hold:
       if (phase == Phase::running) realtime.hold = true;
+      if (phase == Phase::manual) end_manual(true);
       return accepted();
     case Action::reset:
       return reset();
@@ -182,6 +184,7 @@ CommandResult Controller::Impl::command(const Command& command) {
       return set_override(realtime.spindle_override, retained.spindle_override, kSpindleOverride);
     case Action::set_single_block:
       single_block = on;
+      realtime.single_block = on;
       return accepted();
     case Action::set_optional_stop:
       return set_switch(optional_stop);
@@ -216,27 +219,39 @@ CommandResult Controller::Impl::cycle_start(Origin origin) {
   if (emergency) return refused("emergency_stop");
   if (alarmed() || phase == Phase::faulted) return refused("alarm");
   if (phase == Phase::aborting) return refused("resetting");
-  if (phase == Phase::running && !realtime.hold) return refused("running");
+  if (phase == Phase::manual || (phase == Phase::running && !realtime.hold)) return refused("running");
   if (phase != Phase::idle) {  // from hold or stop: the same run goes on
     clear_alarms(true);
     anything_moved = false;
     wait_since_period = 0;
     message.clear();
+    if (phase == Phase::stopped) ++realtime.go;
     phase = Phase::running;
     realtime.running = true;
     realtime.hold = false;
     return accepted();
   }
+  if (mode == Mode::mdi) {
+    if (!mdi_block.memory) return refused("no_program");
+    return start_run(mdi_block);
+  }
   if (mode != Mode::memory && mode != Mode::remote) return refused("wrong_mode");
   if (selection.name.empty() || selection.is_stream != (mode == Mode::remote)) return refused("no_program");
   if (origin == Origin::panel && std::exchange(selection.unseen, false)) return refused("selected_remotely");
-  auto source =
-      selection.is_stream ? std::move(selection.stream) : selection.memory->open_name(selection.name);
-  if (!source) return refused(selection.is_stream ? "no_program" : "not_found");
+  return start_run(selection);
+}
+
+CommandResult Controller::Impl::start_run(Selection& chosen) {
+  auto source = chosen.is_stream ? std::move(chosen.stream) : chosen.memory->open_name(chosen.name);
+  if (!source) return refused(chosen.is_stream ? "no_program" : "not_found");
 
   main_window = std::make_shared<TextWindow>();
-  programs.select(selection.memory);
+  programs.select(chosen.memory);
   interpreter.set_switches(switches);
+  // The same bits in every run: lengths along the path are counted from its start.
+  const AxisVector standing = feed.position();
+  kernel.set_position(standing);
+  feed.set_position(standing);
   interpreter.start(windowed(std::move(source), main_window), feed.position());
   feed.set_rules({dry_run, data.parameter("1410", FeedRules{}.dry_run_mm_min)});
   clear_alarms(true);
@@ -251,7 +266,8 @@ CommandResult Controller::Impl::cycle_start(Origin origin) {
   realtime.hold = false;
   realtime.running = true;
   run_open = true;
-  emit(RunStarted{++retained.last_run, selection.name, selection.revision_hash});
+  emit(RunStarted{++retained.last_run, chosen.name, chosen.revision_hash});
+  if (&chosen == &mdi_block) mdi_block.memory.reset();  // once
   return accepted();
 }
 
@@ -349,6 +365,26 @@ CommandResult Controller::select_stream(std::string name, std::string revision_h
   selection.bytes = total_bytes;
   Access access(impl_->lock, impl_->waiting);
   return impl_->select(std::move(selection), Mode::remote, origin);
+}
+
+CommandResult Controller::jog(std::size_t axis, int direction) {
+  Access access(impl_->lock, impl_->waiting);
+  return impl_->jog(axis, direction);
+}
+CommandResult Controller::step_axis(std::size_t axis, double distance_mm) {
+  Access access(impl_->lock, impl_->waiting);
+  return impl_->step(axis, distance_mm);
+}
+CommandResult Controller::reference_return(std::size_t axis) {
+  Access access(impl_->lock, impl_->waiting);
+  return impl_->reference(axis);
+}
+CommandResult Controller::enter_mdi(std::string text) {
+  Access access(impl_->lock, impl_->waiting);
+  return impl_->mdi(std::move(text));
+}
+void Controller::set_skip_signals(std::uint16_t signals) noexcept {
+  impl_->realtime.skip_signals = signals;
 }
 
 void Controller::link_lost() {

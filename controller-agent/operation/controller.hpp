@@ -166,6 +166,8 @@ struct ControllerOptions {
   std::unique_ptr<axes::Drive> drive;         ///< none: the simulated servo drive
   std::unique_ptr<plc::Auxiliary> functions;  ///< none: plc::BuiltIn
   Retained retained;
+  bool skip_input =
+      false;  ///< the machine has a skip input (see set_skip_signals); without it G31 is an alarm
   interp::Switches switches;  ///< lenient, G-code system, decimal point; the rest comes from the panel
   std::function<std::int64_t()>
       now_ms;  ///< none: the system clock. Unix time; called by any but the real-time thread
@@ -192,6 +194,21 @@ class Controller {
   CommandResult select_stream(std::string name, std::string revision_hash,
                               std::unique_ptr<program::Source> stream, std::uint64_t total_bytes,
                               Origin origin = Origin::panel);
+  // Moving by hand. The machine's own panel only: there is no way from the network to these.
+  /// Jog mode: moves the axis while the button is down; `direction` 1, -1, or 0 when it is let go. Feed:
+  /// parameter 1423 of the axis' manual feed [mm/min] if set, times the feed override. Stops at the stored
+  /// stroke limit.
+  CommandResult jog(std::size_t axis, int direction);
+  /// Jog mode (incremental feed) or handle mode: moves by this distance [mm, degrees]; more may be given
+  /// while it moves, on the same axis. What does not fit inside the travel is refused.
+  CommandResult step_axis(std::size_t axis, double distance_mm);
+  /// Reference mode: to reference point 1 at rapid rate (absolute encoder: no dog is looked for).
+  CommandResult reference_return(std::size_t axis);
+  /// MDI mode: the block that cycle start carries out, once.
+  CommandResult enter_mdi(std::string text);
+  /// The skip inputs as they are now (interp::Feed::skip_signals); any thread, takes effect in the next
+  /// period.
+  void set_skip_signals(std::uint16_t signals) noexcept;
   /// The connection is gone: remote arming ends, nothing else.
   void link_lost();
   Live live() const;

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 
+#include "axes/forbidden_zone.hpp"
 #include "operation/controller.hpp"
 #include "operation/macro_environment.hpp"
 #include "operation/motion_feed.hpp"
@@ -20,6 +21,7 @@ enum class Await : std::uint8_t {
   nothing,
   function,  ///< M, S, T finished
   dwell,
+  skip,          ///< G31 over: by its signal or at its end
   block_stop,    ///< single block: the axes stand at the block's end
   program_stop,  ///< M00, M01
   standstill,    ///< a macro looks at the machine
@@ -30,10 +32,11 @@ enum class Await : std::uint8_t {
 
 enum class Phase : std::uint8_t {
   idle,
-  running,  ///< automatic operation, also in feed hold
-  stopped,  ///< M00 or single block: waits for cycle start
-  faulted,  ///< an alarm stopped the program
-  aborting  ///< reset or emergency stop: the axes are braking
+  running,   ///< automatic operation, also in feed hold
+  stopped,   ///< M00 or single block: waits for cycle start
+  faulted,   ///< an alarm stopped the program
+  aborting,  ///< reset or emergency stop: the axes are braking
+  manual     ///< moving by hand: jog, step, reference return
 };
 
 /// What cycle start runs.
@@ -57,8 +60,22 @@ struct Controller::Impl {
   CommandResult release_emergency_stop();
   CommandResult set_mode(double value);
   CommandResult select(Selection selection, Mode mode, Origin origin);
-  bool busy() const { return phase == Phase::running || phase == Phase::stopped || phase == Phase::aborting; }
+  CommandResult start_run(Selection& chosen);
+  bool busy() const {
+    return phase == Phase::running || phase == Phase::stopped || phase == Phase::aborting ||
+           phase == Phase::manual;
+  }
   bool alarmed() const;
+
+  // ---- manual.cpp: moving by hand
+  CommandResult mdi(std::string text);
+  CommandResult jog(std::size_t axis, int direction);
+  CommandResult step(std::size_t axis, double distance_mm);
+  CommandResult reference(std::size_t axis);
+  CommandResult may_move_by_hand(std::size_t axis, Mode needed) const;
+  void move_by_hand(std::size_t axis, double target_mm, double feed_mm_min);
+  void end_manual(bool as_soon_as_possible);
+  bool work_manual();
 
   // ---- sequencer.cpp: from operations to moves and interludes
   bool work();
@@ -70,7 +87,9 @@ struct Controller::Impl {
   void end_program();
   void finish_run(const char* outcome);
   void after_abort();
-  bool blocks_differ(const interp::SourcePosition& a, const interp::SourcePosition& b) const;
+  void stop_with(const MachineAlarm& alarm, const interp::SourcePosition& at, std::string detail);
+  std::optional<MachineAlarm> before_motion(const interp::Operation& taken);
+  void skip_over();
 
   // ---- report.cpp: alarms, events, live
   void raise(const std::string& code, const std::string& detail, const interp::SourcePosition& at,
@@ -101,10 +120,15 @@ struct Controller::Impl {
   Phase phase = Phase::idle;
   bool emergency = false;
   bool armed = false;
-  bool unlocked = false;  // machine lock has just been taken off
+  bool hand_off = false;           // the button of a jog has been let go
+  std::uint64_t manual_since = 0;  // period of the last change by hand
+  bool unlocked = false;           // machine lock has just been taken off
   interp::Switches switches;
   bool single_block = false, optional_stop = false, block_skip = false, dry_run = false;
   Selection selection;
+  Selection mdi_block;  // typed in MDI mode
+  const bool skip_input;
+  std::optional<axes::Zone> zone;  // stored stroke check 2, when on
   Retained retained;
   std::vector<ActiveAlarm> alarms;
   std::string message;
@@ -115,6 +139,7 @@ struct Controller::Impl {
   interp::Operation operation;  // pulled, not yet taken up
   bool has_operation = false;
   bool calculating = false;  // a macro goes on with its calculation as soon as others had the lock
+  bool new_block = false;             // the operation taken up begins a block
   interp::SourcePosition last_block;  // of the last operation taken up; line 0: none
   std::shared_ptr<TextWindow> main_window;
   std::uint32_t main_program = 0;

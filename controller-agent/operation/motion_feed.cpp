@@ -61,6 +61,10 @@ bool is_motion(const interp::Operation& operation) {
          std::holds_alternative<interp::Thread>(operation);
 }
 
+bool blocks_differ(const interp::SourcePosition& a, const interp::SourcePosition& b) {
+  return a.program != b.program || a.line != b.line || a.byte_offset != b.byte_offset;
+}
+
 const interp::Motion& motion_of(const interp::Operation& operation) {
   return std::visit(
       [](const auto& op) -> const interp::Motion& {
@@ -109,11 +113,16 @@ motion::Move MotionFeed::make(const interp::Operation& operation) const {
             move.feed = motion::RapidFeed{};
             move.exact_stop = true;  // in-position check of positioning (0i-D 4.1)
           },
-          [&](const interp::Feed& m) { set_feed(m.feed, m.unit); },
+          [&](const interp::Feed& m) {
+            set_feed(m.feed, m.unit);
+            move.skip = m.skip_signals != 0;
+            if (move.skip) move.exact_stop = true;
+          },
           [&](const interp::Arc& m) {
             move.geometry = arc_geometry(machine_, m);
             double feed = m.feed;
-            if (m.feed_on_arc && m.unit != interp::FeedUnit::inverse_time) {  // helix: the path is longer than its arc
+            if (m.feed_on_arc &&
+                m.unit != interp::FeedUnit::inverse_time) {  // helix: the path is longer than its arc
               const double on_arc = m.radius_mm * m.turns * kTwoPi;
               const double path = path_length(position_, move);
               if (on_arc > 0 && path > on_arc) feed *= path / on_arc;
@@ -141,19 +150,37 @@ std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operati
   }
   if (path_length(position_, move) <= kNoMove_mm) return overtravel;
 
-  if (rapid && held_back_) held_back_->exact_stop = true;
-  flush();
   const interp::Motion& common = motion_of(operation);
+  if (held_back_) {
+    if (rapid) held_back_->exact_stop = true;
+    held_back_->block_end = blocks_differ(held_block_, common.at);
+  }
+  flush();
+  held_block_ = common.at;
   SegmentState& entry = tags_.append();
   entry.at = common.at;
   entry.modal = common.modal;
   entry.main_offset = main_offset;
   entry.cycle = common.cycle;
   entry.cutting = !rapid;
+  entry.not_held = entry.fixed_feed = common.cutting_mode == interp::CuttingMode::tapping && !rapid;
+  if (const auto* probe = std::get_if<interp::Feed>(&operation); probe && probe->skip_signals != 0) {
+    entry.skip_signals = probe->skip_signals;
+    entry.fixed_feed = !probe->skip_overridable;
+  }
   move.tag = last_tag_ = entry.tag;
   position_ = end_of(move);
   held_back_ = move;
   return overtravel;
+}
+
+void MotionFeed::add_manual(const motion::Move& move) {
+  motion::Move whole = move;
+  whole.exact_stop = true;
+  whole.tag = last_tag_ = tags_.append().tag;
+  position_ = end_of(whole);
+  held_back_ = whole;
+  finish();
 }
 
 void MotionFeed::flush() {

@@ -22,6 +22,8 @@ struct FeedRules {
 /// Is it one of Rapid, Feed, Arc, Thread?
 bool is_motion(const interp::Operation& operation);
 const interp::Motion& motion_of(const interp::Operation& operation);
+/// Do these come from different blocks of the program?
+bool blocks_differ(const interp::SourcePosition& a, const interp::SourcePosition& b);
 /// The kernel's geometry of a canonical arc.
 motion::Arc arc_geometry(const machine::Machine& machine, const interp::Arc& arc);
 
@@ -37,6 +39,8 @@ class MotionFeed {
   /// Room for one more move? `traced`: tag being traced.
   bool has_room(std::uint64_t traced) const { return kernel_.can_push() && tags_.has_room(traced); }
 
+  /// The kernel's move for an operation; nothing is handed over. Precondition: is_motion().
+  motion::Move make(const interp::Operation& operation) const;
   /// Hands a move to the kernel. Precondition: has_room(), is_motion().
   /// @return what limit it would pass: then only the part before the limit has been handed over, with a stop
   /// at its end.
@@ -50,14 +54,15 @@ class MotionFeed {
   /// Called with every move as the kernel gets it. For virtual time: judging the commanded path.
   void on_move(std::function<void(const motion::Move&)> observer) { observer_ = std::move(observer); }
 
+  /// A move by hand, from where the axes stand: no block, no rounding. Precondition: has_room().
+  void add_manual(const motion::Move& move);
+
   /// Tag of the last move handed over; 0 when none since set_position().
   std::uint64_t last_tag() const { return last_tag_; }
   /// Where the last move ends.
   const AxisVector& position() const { return position_; }
 
  private:
-  motion::Move make(const interp::Operation& operation) const;
-
   const machine::Machine& machine_;
   motion::Kernel& kernel_;
   TagRing& tags_;
@@ -68,6 +73,7 @@ class MotionFeed {
   // before G00), so the end of a move is known only when the next one is.
   std::optional<motion::Move> held_back_;
   std::function<void(const motion::Move&)> observer_;
+  interp::SourcePosition held_block_;  // of held_back_
 };
 
 }  // namespace headstock::operation

@@ -60,17 +60,16 @@ void Realtime::step() noexcept {
   const bool resting_after_abort = stopped_.load(std::memory_order_relaxed) == abort_seen_ &&
                                    released_.load(std::memory_order_acquire) != abort_seen_;
   if (!resting_after_abort) {
-    motion::Overrides overrides;
-    overrides.feed = feed_override.load(std::memory_order_relaxed);
-    overrides.rapid = rapid_override.load(std::memory_order_relaxed);
-    overrides.hold = hold.load(std::memory_order_relaxed);
-    state_.sample = kernel_.step(overrides, spindle_.phase_rad(), std::abs(spindle_.rpm()));
+    const motion::Overrides wanted = overrides();
+    state_.go = wanted.go;
+    state_.sample = kernel_.step(wanted, spindle_.phase_rad(), std::abs(spindle_.rpm()));
   }
   step_spindle();
   step_drives(locked);
   const bool aborting = stopped_.load(std::memory_order_relaxed) != abort_seen_;
   if (aborting) {
     if (kernel_.aborted() && !state_.sample.moving) {
+      standing_ = false;
       begun_ = posted_.load(std::memory_order_acquire);
       done_.store(begun_, std::memory_order_release);
       stopped_.store(abort_seen_, std::memory_order_release);
@@ -79,6 +78,7 @@ void Realtime::step() noexcept {
     step_interlude();
   }
 
+  state_.block_stopped = state_.sample.block_stopped || standing_;
   ++state_.periods;
   const bool holding = hold.load(std::memory_order_relaxed) && !state_.sample.moving;
   if (running.load(std::memory_order_relaxed) && !holding) {
@@ -88,6 +88,32 @@ void Realtime::step() noexcept {
   state_.machine = functions_->outputs();
   buffer_.back() = state_;
   buffer_.publish();
+}
+
+motion::Overrides Realtime::overrides() const noexcept {
+  const SegmentState& segment = tags_.find(state_.sample.tag);
+  motion::Overrides now;
+  now.feed = segment.fixed_feed ? 1 : feed_override.load(std::memory_order_relaxed);
+  now.rapid = rapid_override.load(std::memory_order_relaxed);
+  now.hold = hold.load(std::memory_order_relaxed) && !segment.not_held;
+  now.single_block = single_block.load(std::memory_order_relaxed);
+  now.go = go.load(std::memory_order_relaxed);
+  now.skip_signal = (segment.skip_signals & skip_signals.load(std::memory_order_relaxed)) != 0;
+  return now;
+}
+
+bool Realtime::stands_before(std::uint64_t posted) noexcept {
+  if (standing_ && state_.go != standing_go_) {
+    standing_ = false;
+    let_through_ = posted;
+  }
+  const bool stop = posted_interlude_.new_block && let_through_ != posted && !standing_ &&
+                    single_block.load(std::memory_order_relaxed);
+  if (stop) {
+    standing_ = true;
+    standing_go_ = state_.go;
+  }
+  return standing_;
 }
 
 void Realtime::begin(const Interlude& interlude) noexcept {
@@ -111,6 +137,7 @@ bool Realtime::finished() noexcept {
         remaining_s_ -= period_s_;
         remaining_rad_ -= turned;
       }
+      if ((posted_interlude_.skip_signals & skip_signals.load(std::memory_order_relaxed)) != 0) return true;
       return remaining_s_ <= period_s_ * 1e-6 && remaining_rad_ <= 1e-9;
     }
   }
@@ -123,10 +150,13 @@ void Realtime::step_interlude() noexcept {
   if (done_.load(std::memory_order_relaxed) == posted) return;
   if (begun_ != posted) {
     const motion::Sample& sample = state_.sample;
-    const bool moves_done = planned_.load(std::memory_order_acquire) == posted && sample.queue_empty &&
-                            !sample.moving && !sample.starved &&
+    const bool all_traced = sample.queue_empty && !sample.starved &&
                             (posted_interlude_.after_tag == 0 || posted_interlude_.after_tag == sample.tag);
-    if (!moves_done || !state_.in_position || hold.load(std::memory_order_relaxed)) return;
+    const bool moves_done = planned_.load(std::memory_order_acquire) == posted && !sample.moving &&
+                            (all_traced || sample.skipped);
+    if (!moves_done || sample.block_stopped || !state_.in_position || hold.load(std::memory_order_relaxed))
+      return;
+    if (stands_before(posted)) return;
     begun_ = posted;
     begin(posted_interlude_);
     // A function has its answer in the next period at the earliest; a dwell counts this period's end as its

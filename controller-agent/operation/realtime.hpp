@@ -31,7 +31,9 @@ struct Interlude {
   Kind kind = Kind::meeting;
   double seconds = 0, revolutions = 0;
   plc::Request request;
-  std::uint64_t after_tag = 0;  ///< last move before it; 0: none since the axes were set
+  std::uint64_t after_tag = 0;     ///< last move before it; 0: none since the axes were set
+  bool new_block = false;          ///< the first of its block: single block stops before it
+  std::uint16_t skip_signals = 0;  ///< dwell: any of these ends it early
 };
 
 /// One period's outcome, for screens and for the look-ahead.
@@ -40,6 +42,8 @@ struct RealtimeState {
   AxisVector actual{};                                ///< measured by the drives
   double spindle_rpm = 0, spindle_commanded_rpm = 0;  ///< signed
   plc::Outputs machine;
+  bool block_stopped = false;  ///< standing at a block's end because of single block
+  std::uint32_t go = 0;        ///< value of Realtime::go in this period
   std::uint64_t periods = 0;
   std::uint64_t run_periods = 0;      ///< automatic operation under way, not counting stop and hold
   std::uint64_t cutting_periods = 0;  ///< of these: moving at a cutting feed
@@ -54,11 +58,14 @@ class Realtime {
 
   // ---- switches, any thread
   std::atomic<double> feed_override{1}, rapid_override{1}, spindle_override{1};
-  std::atomic<bool> hold{false};            ///< feed hold
-  std::atomic<bool> running{false};         ///< counts run time
-  std::atomic<bool> machine_lock{false};    ///< drives keep their place
-  std::atomic<bool> emergency_stop{false};  ///< drives off, spindle off
-  std::atomic<std::uint64_t> overruns{0};   ///< periods that came too late, counted by the caller of step()
+  std::atomic<bool> hold{false};     ///< feed hold
+  std::atomic<bool> running{false};  ///< counts run time
+  std::atomic<bool> single_block{false};
+  std::atomic<std::uint32_t> go{0};            ///< one more: a single-block stop goes on
+  std::atomic<std::uint16_t> skip_signals{0};  ///< SKIP, SKIP2 … as they are now
+  std::atomic<bool> machine_lock{false};       ///< drives keep their place
+  std::atomic<bool> emergency_stop{false};     ///< drives off, spindle off
+  std::atomic<std::uint64_t> overruns{0};  ///< periods that came too late, counted by the caller of step()
 
   // ---- look-ahead thread
   /// Precondition: idle().
@@ -93,6 +100,9 @@ class Realtime {
   void step_drives(bool locked) noexcept;
   void begin(const Interlude& interlude) noexcept;
   bool finished() noexcept;
+  motion::Overrides overrides() const noexcept;
+  /// Does single block keep the posted interlude from beginning?
+  bool stands_before(std::uint64_t posted) noexcept;
 
   const std::size_t axes_;
   const double period_s_;
@@ -111,6 +121,9 @@ class Realtime {
   // real-time thread only
   RealtimeState state_;
   std::uint64_t begun_ = 0, abort_seen_ = 0;
+  bool standing_ = false;  // before an interlude, because of single block
+  std::uint32_t standing_go_ = 0;
+  std::uint64_t let_through_ = 0;  // interlude that the operator let begin
   double remaining_s_ = 0, remaining_rad_ = 0, last_phase_rad_ = 0;
   AxisVector drive_command_{};
   TripleBuffer<RealtimeState> buffer_;

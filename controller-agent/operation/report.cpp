@@ -73,6 +73,7 @@ State Controller::Impl::state() const {
     case Phase::aborting:  // braking after reset: not yet idle
       return State::hold;
     case Phase::idle:
+    case Phase::manual:
     case Phase::faulted:
       break;
   }

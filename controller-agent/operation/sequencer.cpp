@@ -1,9 +1,11 @@
 // The look-ahead: pulls canonical operations, turns moves into segments of the kernel, and lets happen
 // between the moves what has to happen between them. Waits are states, never blocking calls.
+#include <cmath>
 #include <thread>
 #include <utility>
 
 #include "operation/controller_impl.hpp"
+#include "operation/motion_alarm.hpp"
 #include "operation/overtravel_alarm.hpp"
 #include "operation/unsupported.hpp"
 
@@ -54,7 +56,15 @@ bool Controller::Impl::work() {
     state_changed();
     return phase != Phase::aborting;
   }
+  if (phase == Phase::manual) return work_manual();
   if (phase != Phase::running) return false;
+  const RealtimeState& now = realtime.state();
+  if (now.block_stopped && now.go == realtime.go.load(std::memory_order_relaxed)) {
+    phase = Phase::stopped;  // single block, in the middle of what is queued
+    realtime.running = false;
+    state_changed();
+    return false;
+  }
 
   const std::uint64_t tag_before = tags.newest();
   const Await await_before = await;
@@ -78,10 +88,6 @@ bool Controller::Impl::work() {
   if (planned && !realtime.idle()) realtime.planned();
   state_changed();
   return more || calculating || tags.newest() != tag_before || await != await_before;
-}
-
-bool Controller::Impl::blocks_differ(const interp::SourcePosition& a, const interp::SourcePosition& b) const {
-  return a.program != b.program || a.line != b.line || a.byte_offset != b.byte_offset;
 }
 
 void Controller::Impl::pull_operations() {
@@ -115,6 +121,7 @@ void Controller::Impl::pull_operations() {
       return;
     }
     has_operation = false;
+    new_block = last_block.line != 0 && blocks_differ(last_block, at);
     last_block = at;
     if (!programs.knows(at.program)) main_offset = at.byte_offset;
     take(operation);
@@ -122,16 +129,17 @@ void Controller::Impl::pull_operations() {
 }
 
 void Controller::Impl::take(const interp::Operation& taken) {
-  if (const auto refused = unsupported_alarm(taken)) {
-    raised_here = *refused;
-    pending_alarm = {position_of(taken), std::string(refused->code), {}};
-    post(Await::alarm, {});
-    return;
-  }
+  if (const auto refused = unsupported_alarm(taken, skip_input))
+    return stop_with(*refused, position_of(taken), {});
   if (is_motion(taken)) {
+    if (const auto refused = before_motion(taken)) return stop_with(*refused, position_of(taken), {});
     anything_moved = true;
     overtravel = feed.add(taken, main_offset);
-    if (!overtravel) return;
+    if (!overtravel) {
+      const auto* probe = std::get_if<interp::Feed>(&taken);
+      if (probe && probe->skip_signals != 0) post(Await::skip, {});
+      return;
+    }
     const char axis = machine.axes[overtravel->axis].name;
     raised_here = overtravel_alarm(machine.profile, axis, overtravel->positive);
     pending_alarm = {motion_of(taken).at, std::string(raised_here.code), std::string(1, axis)};
@@ -143,6 +151,7 @@ void Controller::Impl::take(const interp::Operation& taken) {
     interlude.kind = Interlude::Kind::dwell;
     interlude.seconds = dwell->seconds;
     interlude.revolutions = dwell->revolutions;
+    interlude.skip_signals = dwell->skip_signals;
     post(Await::dwell, interlude);
   } else if (const auto* spindle = std::get_if<interp::Spindle>(&taken)) {
     plc::Request request;
@@ -160,16 +169,17 @@ void Controller::Impl::take(const interp::Operation& taken) {
     post(Await::function, function(request));
   } else if (const auto* m = std::get_if<interp::MCode>(&taken)) {
     if (m->input != 0 || m->at_axis >= 0 || m->delay_s != 0) {
-      raised_here = port_code_alarm();
       std::string detail(1, 'M');
       detail += std::to_string(m->code);
-      pending_alarm = {m->at, std::string(raised_here.code), std::move(detail)};
-      post(Await::alarm, {});
-      return;
+      return stop_with(port_code_alarm(), m->at, std::move(detail));
     }
     plc::Request request;
     request.code = m->code;
     post(Await::function, function(request));
+  } else if (const auto* check = std::get_if<interp::StrokeCheck>(&taken)) {
+    zone.reset();
+    if (check->on && check->axes != 0)
+      zone = axes::Zone{check->axes, check->least, check->most, check->outside_forbidden};
   } else if (const auto* text = std::get_if<interp::Message>(&taken)) {
     if (text->kind == interp::MessageKind::show) message = text->text;
   } else if (const auto* stop = std::get_if<interp::Stop>(&taken)) {
@@ -185,7 +195,42 @@ void Controller::Impl::take(const interp::Operation& taken) {
   }
 }
 
+void Controller::Impl::stop_with(const MachineAlarm& alarm, const interp::SourcePosition& at,
+                                 std::string detail) {
+  raised_here = alarm;
+  pending_alarm = {at, std::string(alarm.code), std::move(detail)};
+  post(Await::alarm, {});
+}
+
+/// What must be known before an axis moves: a thread the axes cannot follow, a forbidden zone.
+std::optional<MachineAlarm> Controller::Impl::before_motion(const interp::Operation& taken) {
+  if (!zone && !std::holds_alternative<interp::Thread>(taken)) return std::nullopt;
+  const motion::Move move = feed.make(taken);
+  if (zone) {
+    if (const auto entered = axes::find_entry(*zone, feed.position(), move.geometry))
+      return zone_alarm(entered->positive);
+  }
+  if (std::holds_alternative<interp::Thread>(taken)) {
+    const auto& cut = std::get<motion::ThreadFeed>(move.feed);
+    return thread_alarm(machine, feed.position(), move, cut,
+                        std::abs(realtime.state().spindle_commanded_rpm));
+  }
+  return std::nullopt;
+}
+
+void Controller::Impl::skip_over() {
+  const motion::Sample sample = realtime.state().sample;
+  interpreter.skip_ended(sample.skipped ? sample.skip_position : sample.position, sample.skipped);
+  if (!sample.skipped) return;
+  // The signal's place is what the program reads; the axes stand where they came to rest.
+  kernel.set_position(sample.position);
+  feed.set_position(sample.position);
+  interpreter.set_position(sample.position);
+}
+
 void Controller::Impl::post(Await what, Interlude interlude) {
+  interlude.new_block = new_block && (what == Await::function || what == Await::dwell ||
+                                      what == Await::program_stop || what == Await::end);
   feed.finish();
   interlude.after_tag = feed.last_tag();
   await = what;
@@ -199,6 +244,9 @@ void Controller::Impl::interlude_done() {
     case Await::dwell:
     case Await::standstill:
     case Await::commit:
+      return;
+    case Await::skip:
+      skip_over();
       return;
     case Await::block_stop:
     case Await::program_stop:

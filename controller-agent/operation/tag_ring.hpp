@@ -19,7 +19,10 @@ struct SegmentState {
   interp::ModalSnapshot modal;
   std::uint64_t main_offset = 0;  ///< byte offset reached in the main program, for progress
   const char* cycle = nullptr;
-  bool cutting = false;  ///< not a rapid
+  bool cutting = false;            ///< not a rapid
+  std::uint16_t skip_signals = 0;  ///< any of these ends the move (G31)
+  bool fixed_feed = false;         ///< feed override is 100 % (skip moves, G63)
+  bool not_held = false;           ///< feed hold waits until the move is over (G63)
 };
 
 class TagRing {
@@ -32,15 +35,19 @@ class TagRing {
   bool has_room(std::uint64_t traced) const noexcept { return newest_ - traced < kEntries - 2; }
   SegmentState& append() noexcept {
     SegmentState& entry = entries_[++newest_ % kEntries];
+    entry = {};
     entry.tag = newest_;
     return entry;
   }
   std::uint64_t newest() const noexcept { return newest_; }
   /// Any thread that got `tag` from a sample (the kernel's queue orders this read after the write).
-  const SegmentState& find(std::uint64_t tag) const noexcept { return entries_[tag % kEntries]; }
+  const SegmentState& find(std::uint64_t tag) const noexcept {
+    return tag == 0 ? nothing_ : entries_[tag % kEntries];
+  }
 
  private:
   std::vector<SegmentState> entries_;
+  SegmentState nothing_;
   std::uint64_t newest_ = 0;
 };
 

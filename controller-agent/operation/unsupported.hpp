@@ -11,6 +11,7 @@ namespace headstock::operation {
 
 /// @return the alarm when `operation` must be refused. Whoever teaches the machine side one of these removes
 /// its row.
-std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation);
+/// @param skip_input the machine has a skip input (ControllerOptions)
+std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation, bool skip_input);
 
 }  // namespace headstock::operation

@@ -26,6 +26,10 @@ namespace headstock::server {
 class Gateway;
 }
 
+namespace headstock::dnc {
+class Dnc;
+}
+
 namespace headstock::api {
 
 class Jobs;
@@ -42,6 +46,7 @@ struct Services {
   fleet::Fleet& fleet;
   fleet::Changes& changes;
   server::Gateway& gateway;
+  dnc::Dnc& dnc;
   Jobs& jobs;
   std::string version;
 };

@@ -26,6 +26,7 @@
 #include "server/app/data_folder.hpp"
 #include "generated/version.hpp"
 #include "server/app/web_tls.hpp"
+#include "server/dnc/dnc.hpp"
 #include "server/fleet/fleet.hpp"
 #include "server/library/checks.hpp"
 #include "server/library/distribution.hpp"
@@ -91,9 +92,10 @@ struct Shop::Impl {
         gateway(io, gateway_options(), fleet),
         distributor(io.get_executor(), *store, *blobs, checks, library::carried_by(gateway),
                     [this](const db::TransferRow& row) { publish(row); }),
+        dnc(io, *store, workers, *blobs, checks, [this](std::int64_t port) { publish_port(port); }),
         jobs(io),
         services{io,    *store,      workers, *blobs,  accounts, checks, lines,
-                 distributor, fleet, changes, gateway, jobs,     version()} {
+                 distributor, fleet, changes, gateway, dnc, jobs, version()} {
     fleet.set_distributor(&distributor);
     api::add_all_routes(router, services);
   }
@@ -107,6 +109,7 @@ struct Shop::Impl {
   }
 
   void publish(const db::TransferRow& row);
+  void publish_port(std::int64_t port);
   void make_first_administrator();
   void start_web();
   awaitable<void> tick();
@@ -129,6 +132,7 @@ struct Shop::Impl {
   fleet::Fleet fleet;
   server::Gateway gateway;
   library::Distributor distributor;
+  dnc::Dnc dnc;
   api::Jobs jobs;
   api::Services services;
   api::Router router;
@@ -143,6 +147,11 @@ struct Shop::Impl {
 
 void Shop::Impl::publish(const db::TransferRow& row) {
   changes.publish({"transfer", row.machine, std::make_shared<const nlohmann::json>(nlohmann::json{{"transfer", api::to_json(row)}})});
+}
+
+/// Only that it has changed: who looks at ports asks for what he wants to see.
+void Shop::Impl::publish_port(std::int64_t port) {
+  changes.publish({"port", 0, std::make_shared<const nlohmann::json>(nlohmann::json{{"port", port}})});
 }
 
 void Shop::Impl::make_first_administrator() {
@@ -206,6 +215,7 @@ awaitable<void> Shop::Impl::drain() {
   try {
     co_await web->stop(drain_time);
     gateway.stop();
+    dnc.stop();
   } catch (const std::exception& error) {
     spdlog::error("stopping: {}", error.what());
   }
@@ -237,6 +247,9 @@ void Shop::start() {
   // Before a machine can ask for it, the gateway must know what it was sending when the last run ended.
   asio::co_spawn(impl_->io, impl_->distributor.resume(), [](std::exception_ptr error) {
     if (error) spdlog::error("transfers of the last run could not be taken up again");
+  });
+  asio::co_spawn(impl_->io, impl_->dnc.start(), [](std::exception_ptr error) {
+    if (error) spdlog::error("the serial ports could not be read");
   });
   impl_->io.run();
   impl_->io.restart();

@@ -148,6 +148,16 @@ asio::awaitable<std::optional<CheckResult>> Checks::known(std::int64_t program, 
   co_return check_result_from_json(nlohmann::json::parse(prepared.known->result_json));
 }
 
+asio::awaitable<Restart> Checks::restart(std::int64_t program, std::int64_t revision, std::int64_t machine,
+                                         std::int64_t line) {
+  Prepared prepared = co_await impl_->read(program, revision, machine);
+  auto on_worker = [job = std::move(prepared.job), stop = impl_->stop, line]() mutable {
+    job.cancel = stop.get();
+    return run_restart(job, line);
+  };
+  co_return co_await impl_->workers.run(on_worker);
+}
+
 asio::awaitable<Backplot> Checks::backplot(std::int64_t program, std::int64_t revision, std::int64_t machine,
                                            std::string profile, std::int64_t max_points) {
   Prepared prepared = co_await impl_->read(program, revision, machine);

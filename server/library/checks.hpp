@@ -77,6 +77,17 @@ std::string checker_version();
 CheckResult run_check(const CheckJob& job);
 Backplot run_backplot(const CheckJob& job, std::int64_t max_points);
 
+/// Where a control that has lost its state can begin again, and with what in front.
+struct Restart {
+  std::string reason, where;  ///< why not: restart_in_compensation, restart_in_cycle, restart_mode, restart_variables,
+                              ///< restart_not_reached, restart_alarm … ; empty: it can
+  std::string header;         ///< blocks to be sent in front of the line, for a person to read and change
+  std::uint64_t offset = 0;   ///< of the line's first byte
+  std::int64_t lines = 0;     ///< of the whole program
+};
+/// Interprets the program from its first line up to, not including, `line` (from 1), as this machine would.
+Restart run_restart(const CheckJob& job, std::int64_t line);
+
 class Checks {
  public:
   Checks(db::Store& store, db::Pool& workers, const db::Blobs& blobs);
@@ -89,6 +100,9 @@ class Checks {
   /// The cached result only.
   boost::asio::awaitable<std::optional<CheckResult>> known(std::int64_t program, std::int64_t revision,
                                                            std::int64_t machine);
+  /// See run_restart(). Refusals: not_found.
+  boost::asio::awaitable<Restart> restart(std::int64_t program, std::int64_t revision, std::int64_t machine,
+                                          std::int64_t line);
   /// @param machine 0: the default machine of `profile`.
   boost::asio::awaitable<Backplot> backplot(std::int64_t program, std::int64_t revision, std::int64_t machine,
                                             std::string profile, std::int64_t max_points = 200'000);

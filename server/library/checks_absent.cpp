@@ -21,4 +21,8 @@ Backplot run_backplot(const CheckJob&, std::int64_t) {
   throw db::Refusal("check_failed", "built without the controller");
 }
 
+Restart run_restart(const CheckJob&, std::int64_t) {
+  throw db::Refusal("check_failed", "built without the controller");
+}
+
 }  // namespace headstock::library

@@ -1,1 +1,1 @@
-headstock_bench(motion SOURCES motion_bench.cpp DEPENDS headstock_motion)
+headstock_bench(motion SOURCES motion_bench.cpp optimal_time.cpp DEPENDS headstock_motion)

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "motion/kernel.hpp"
+#include "optimal_time.hpp"
 
 namespace {
 
@@ -152,17 +153,40 @@ void period(benchmark::State& state) {
   state.counters["max_us"] = costs.back();
 }
 
+/// Time a straight step of `way` takes from rest to rest.
+double step_over(double way, double jerk) {
+  if (jerk >= 1e9) return 2 * std::sqrt(way / kAcceleration);
+  const double ramp = kAcceleration / jerk;  // of the acceleration, when it reaches its limit
+  const double short_way = 2 * jerk * ramp * ramp * ramp;
+  if (way <= short_way) return 4 * std::cbrt(way / (2 * jerk));
+  return ramp + std::sqrt(ramp * ramp + 4 * way / kAcceleration);
+}
+
+/// `bound`: under v and a limits. `optimum`: under v, a and j limits, by another method. Both with the 0.5 mm
+/// to the next pass.
 void surf(benchmark::State& state) {
   const double jerk = static_cast<double>(state.range(0));
-  double time = 0, bound = 0;
+  double time = 0, bound = 0, optimum = 0;
   for (auto _ : state) {
     time = run_time(surface(20), jerk);
-    bound = 0;
-    for (int pass = 0; pass < 20; ++pass) bound += bound_of_pass(0.5 * pass);
+    bound = 19 * step_over(0.5, 1e12);
+    optimum = 19 * step_over(0.5, jerk);
+    for (int pass = 0; pass < 20; ++pass) {
+      const double y = 0.5 * pass, across = std::cos(0.5 * y);
+      bound += bound_of_pass(y);
+      bench::Wave wave;
+      wave.slope = [=](double x) { return 1.6 * std::cos(0.8 * x) * across; };
+      wave.bend = [=](double x) { return -1.28 * std::sin(0.8 * x) * across; };
+      wave.twist = [=](double x) { return -1.024 * std::cos(0.8 * x) * across; };
+      wave.length = 40;
+      optimum += bench::optimal_time(wave, {kFeed, kAcceleration, jerk}, 400);
+    }
   }
   state.counters["time_s"] = time;
   state.counters["bound_s"] = bound;
-  state.counters["ratio"] = time / bound;
+  state.counters["optimum_s"] = optimum;
+  state.counters["to_bound"] = time / bound;
+  state.counters["to_optimum"] = time / optimum;
 }
 
 BENCHMARK(look_ahead)->ArgName("jerk_limited")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);

@@ -142,6 +142,35 @@ describe("the pages", () => {
     await page.setViewportSize(sizes.desktop);
   });
 
+  it("take the reason of a stop in two taps, and show what was counted", async () => {
+    await useLanguage(page, "en");
+    await page.goto(`${mock.url}/#/times`);
+    await page.locator('[data-page=times] tr[data-machine="3"] a').click();
+    await page.locator("[data-panel=counted]").getByText("Availability").waitFor();
+    const stop = page.locator("[data-stop]").filter({ hasText: "no reason given" }).first();
+    const from = await stop.getAttribute("data-stop");
+    await stop.locator("[data-action=why]").click();
+    await page.locator("[data-dialog=why] [data-reason='2']").click();
+    await page.locator(`[data-stop="${from}"]`).getByText("Waiting for material").waitFor();
+    await useLanguage(page, "zh");
+    await page.locator(`[data-stop="${from}"]`).getByText("待料").waitFor();
+    await useLanguage(page, "en");
+  });
+
+  it("change a shift", async () => {
+    await page.goto(`${mock.url}/#/times`);
+    await page.locator("[data-action=shifts]").click();
+    await page.locator('[data-shift="0"] input[name=end]').fill("18:30");
+    await page.locator("[data-action=add-shift]").click();
+    await page.locator('[data-shift="1"] input[name=name]').fill("Night");
+    await page.locator("[data-dialog=shifts] footer .primary").click();
+    await page.locator("[data-dialog=shifts]").waitFor({ state: "detached" });
+    await page.locator("[data-action=shifts]").click();
+    assert.equal(await page.locator('[data-shift="0"] input[name=end]').inputValue(), "18:30");
+    assert.equal(await page.locator("[data-shift]").count(), 2);
+    await page.keyboard.press("Escape");
+  });
+
   it("say loudly that the link is lost, let every machine become unknown, and come back by themselves", async () => {
     await useLanguage(page, "en");
     await page.goto(`${mock.url}/#/floor`);

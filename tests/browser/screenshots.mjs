@@ -9,13 +9,13 @@ import { root } from "./paths.mjs";
 const option = (name) => { const at = process.argv.indexOf(`--${name}`); return at > 0 ? process.argv[at + 1] : undefined; };
 const out = option("out") ?? join(root, "build/screenshots");
 const only = option("only");
-const dist = join(root, "build/release/web/app/dist");
+const dist = process.env.HEADSTOCK_WEB_DIST ?? join(root, "build/release/web/app/dist");
 mkdirSync(out, { recursive: true });
 
 const pages = {
   floor: "#/floor", wall: "#/floor?wall=1", "machine-lathe": "#/machines/1", "machine-mill": "#/machines/2", "machine-unknown": "#/machines/9",
   programs: "#/programs?folder=%2Fshafts", "program-text": "#/programs/1", "program-revisions": "#/programs/1?tab=revisions",
-  "program-diff": "#/programs/1?tab=diff", "program-check": "#/programs/1?tab=check", "program-mill-check": "#/programs/2?tab=check", "program-send": "#/programs/1?tab=send", alarms: "#/alarms", users: "#/users", account: "#/account",
+  "program-diff": "#/programs/1?tab=diff", "program-check": "#/programs/1?tab=check", "program-mill-check": "#/programs/2?tab=check", "program-send": "#/programs/1?tab=send", alarms: "#/alarms", "alarms-statistics": "#/alarms?view=statistics", times: "#/times?period=7d", "times-machine": "#/times/3?period=7d", "times-shifts": "#/times", users: "#/users", account: "#/account",
 };
 const shop = option("url") ? { url: option("url"), user: option("user"), password: option("password"), stop: () => {} } : await startMock({ machines: 12, dist });
 const crowd = option("url") ? null : await startMock({ machines: 60, dist });
@@ -35,6 +35,7 @@ for (const [sizeName, size] of Object.entries(sizes)) {
       await page.goto(`${shop.url}/${hash}`);
       await page.locator("[data-page]").first().waitFor();
       if (name === "program-check" || name === "program-mill-check") { await page.locator("[data-action=check-all]").click(); await page.locator("[data-check] .chip").last().waitFor(); }
+      if (name === "times-shifts") { await page.locator("[data-action=shifts]").click(); await page.locator("[data-dialog=shifts]").waitFor(); }
       await page.waitForTimeout(name.startsWith("machine") || name.includes("check") ? 2500 : 800);
       await shoot(name);
     }

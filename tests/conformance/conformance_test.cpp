@@ -87,6 +87,13 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
           seen.values["lead"] = op.lead_mm;
           seen.values["change"] = op.lead_change_mm;
           seen.values["angle"] = op.start_angle_deg;
+        } else if constexpr (std::is_same_v<T, interp::Tap>) {
+          common("tap", op);
+          seen.word = op.direction == interp::SpindleDirection::ccw ? "ccw" : "cw";
+          add_axes(seen, machine, "b", op.bottom_work);
+          seen.values["pitch"] = op.pitch_mm;
+          seen.values["rpm"] = op.rpm;
+          seen.values["s"] = op.dwell_s;
         } else if constexpr (std::is_same_v<T, interp::Dwell>) {
           seen.op = "dwell";
           seen.values["s"] = op.seconds;
@@ -142,6 +149,11 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
           seen.values["reached"] = op.reached_ratio;
           seen.values["ratio"] = op.ratio;
           seen.values["rpm"] = op.width_rpm;
+        } else if constexpr (std::is_same_v<T, interp::PolygonTurning>) {
+          seen.op = "polygon";
+          seen.word = op.on ? "on" : "off";
+          seen.values["p"] = op.spindle_ratio;
+          seen.values["q"] = op.tool_ratio;
         } else if constexpr (std::is_same_v<T, interp::SecondAuxiliary>) {
           seen.op = "aux";
           seen.values["code"] = static_cast<double>(op.code);

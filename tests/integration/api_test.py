@@ -103,6 +103,13 @@ class EveryRoute(WithServer):
             ("GET", "/programs/{id}"): None, ("PATCH", "/programs/{id}"): {"name": "O1002.nc"},
             ("GET", "/programs/{id}/revisions"): None, ("GET", "/programs/{id}/revisions/{n}/checks"): None,
             ("GET", "/transfers"): None, ("PATCH", "/session"): {"language": "zh"},
+            ("PATCH", "/calendar"): {"time_zone": "Asia/Shanghai", "shifts": [{"name": "白班", "days": [1, 2, 3, 4, 5], "start": "08:00", "end": "20:00"}]},
+            ("GET", "/calendar"): None, ("GET", "/downtime-reasons"): None,
+            ("POST", "/downtime-reasons"): {"name_en": "Coolant", "name_zh": "换冷却液", "planned": True},
+            ("POST", "/machines/{id}/downtime"): {"from": "2026-01-05T08:00:00Z", "to": "2026-01-05T09:00:00Z", "reason": 1, "note": "jaws"},
+            ("GET", "/machines/{id}/downtime"): None, ("GET", "/machines/{id}/stops"): None,
+            ("POST", "/machines/{id}/rejects"): {"quantity": 2, "why": "chatter"}, ("GET", "/machines/{id}/rejects"): None,
+            ("GET", "/oee"): None, ("GET", "/alarms/statistics"): None,
         }
         for (method, path), body in calls.items():
             with self.subTest(method=method, path=path):
@@ -120,6 +127,22 @@ class EveryRoute(WithServer):
         self.assertEqual(mistakes(up, {"$ref": "#/components/schemas/Uploaded"}, self.document), [])
         sent = admin.ok("POST", "/distributions", {"program": program, "revision": number, "machines": [machine["id"]]})
         self.assertEqual(mistakes(sent, {"$ref": "#/components/schemas/Distribution"}, self.document), [])
+
+    def test_wrong_times_and_shifts_are_refused_in_words(self):
+        machine = self.admin.ok("POST", "/machines", {"name": "Clock lathe", "profile": "fanuc-0i-t"})["id"]
+        shift = {"name": "A", "days": [1], "start": "06:00", "end": "14:00"}
+        for method, path, body, code in [
+                ("PATCH", "/calendar", {"time_zone": "Moon/Base", "shifts": []}, "bad_value"),
+                ("PATCH", "/calendar", {"time_zone": "Etc/UTC", "shifts": [shift, {**shift, "start": "13:00", "end": "20:00"}]}, "shifts_overlap"),
+                ("PATCH", "/calendar", {"time_zone": "Etc/UTC", "shifts": [{**shift, "start": "25:00"}]}, "bad_request"),
+                ("PATCH", "/calendar", {"time_zone": "Etc/UTC", "shifts": [{**shift, "days": [8]}]}, "bad_request"),
+                ("POST", f"/machines/{machine}/downtime", {"from": "2090-01-01", "to": "2090-01-02", "reason": 1}, "in_the_future"),
+                ("POST", f"/machines/{machine}/downtime", {"from": "2026-01-02", "to": "2026-01-01", "reason": 1}, "bad_value"),
+                ("POST", f"/machines/{machine}/rejects", {"quantity": 0, "why": "x"}, "bad_value"),
+                ("GET", "/oee?by=moon", None, "bad_request"), ("GET", "/oee?from=2020-01-01&to=2026-01-01", None, "bad_value")]:
+            status, answer, _ = self.admin.call(method, path, body)
+            self.assertEqual((answer.get("error") or {}).get("code"), code, (method, path, body, answer))
+            self.assertGreaterEqual(status, 400)
 
     def test_refusals_have_the_shape_of_an_error(self):
         for method, path, body in [("GET", "/nothing", None), ("GET", "/programs/999999", None), ("GET", "/alarms?from=x", None),

@@ -5,6 +5,7 @@ import "./style/base.css";
 import "./style/controls.css";
 import "./style/floor.css";
 import "./style/machine.css";
+import "./style/times.css";
 import "./style/programs.css";
 import { App } from "./shell/App";
 

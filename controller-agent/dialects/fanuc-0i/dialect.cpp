@@ -20,13 +20,29 @@ constexpr ParameterRange kAxisParameters[] = {
     {3620, 3627}, {5401, 5401}, {5421, 5421}, {5440, 5440}, {6287, 6287}, {7310, 7310}};
 constexpr ParameterRange kSpindleParameters[] = {{3700, 4999}};
 
+constexpr Option kOptions[] = {
+    {"8136#0", 520, 520}, {"8136#0", 540, 590}, {"8136#1", 921, 921}, {"8136#1", 503, 503}, {"8136#2", 541, 541}};
+
 void set_common_modes(ModeRules& modes) {
+  modes.options = kOptions;
+  modes.tenfold_unit_parameter = "1004#7";
+  modes.axis_decimal_parameter = "3455#0";
+  modes.flow_codes_alone = true;
   modes.compensation_group = 7;
+  modes.unit_group = 6;
+  modes.work_group = 14;
+  modes.kept_group_parameters = {"3406", "3407", "3408", "3409"};
+  modes.reset_work_parameter = "1201#7";
+  modes.reset_local_parameter = "1202#3";
   modes.diameter_parameter = "1006#3";
   modes.rotary_parameter = "1006#0";
   modes.roll_over_parameter = "1008#0";
   modes.roll_over_by_sign_parameter = "1008#1";
   modes.turn_parameter = "1260";
+  modes.most_axes_at_once = 4;
+  modes.first_reference_parameter = "1240";
+  modes.imaginary_circle_parameter = "1408#0";
+  modes.imaginary_radius_parameter = "1465";
   modes.skip_signals = {"6202", "6203", "6204", "6205", "6206"};
   modes.skip_feed_parameter = "6207#1";
   modes.skip_step_feed_parameter = "6207#2";
@@ -36,6 +52,18 @@ void set_common_modes(ModeRules& modes) {
   modes.stroke_2_most = "1322";
   modes.stroke_2_least = "1323";
   modes.stroke_2_outside_parameter = "1300#0";
+  modes.unit_at_reference_parameter = "14000#2";
+  modes.unit_anywhere_parameter = "11222#0";
+  modes.unit_clears_shift_parameter = "11222#1";
+  modes.highest_speed_parameter = "3772";
+  modes.surface_axis_parameter = "3770";
+  modes.spindle_digits_parameter = "3031";
+  modes.tool_digits_parameter = "3032";
+  modes.auxiliary_digits_parameter = "3033";
+  modes.auxiliary_enable_parameter = "8132#2";
+  modes.auxiliary_address_parameter = "3460";
+  modes.auxiliary_decimal_parameter = "3450#0";
+  modes.auxiliary_inch_parameter = "3405#0";
   modes.parameter_input = true;
   modes.largest_offset = 9'999.9999;
   modes.axis_parameters = kAxisParameters;
@@ -133,10 +161,13 @@ Dialect make_common() {
                    {R::helix_axes, "PS0232"},
                    {R::arc_foreign_axis, "PS0028"},
                    {R::too_many_axes, "PS0015"},
-                   {R::spindle_number, "PS5305"}});
+                   {R::spindle_number, "PS5305"},
+                   {R::m_combination, "PS5016"},
+                   {R::position_overflow, "PS1160"},
+                   {R::arc_increments, "PS5064"}});
   d.m_rules = usual_m_rules();
   d.m_rules.push_back({6, MAction::machine});
-  d.m_rules.push_back({29, MAction::unavailable});   // rigid tapping needs its cycle
+  d.m_rules.push_back({29, MAction::rigid_tapping});
   d.m_rules.push_back({198, MAction::unavailable});  // call from an external device
   d.numbers.decimal_parameter = "3401#0";            // DPI
   d.numbers.coarse_increment_parameter = "1013#0";
@@ -182,9 +213,18 @@ Dialect make_fanuc_0i_t() {
   d.set_alarm_code(R::polar_axis, "PS0145");
   d.set_alarm_code(R::polar_code, "PS0146");
   d.set_alarm_code(R::look_ahead_format, "PS0109");
+  d.set_alarm_code(R::polygon_again, "PS0217");
+  d.set_alarm_code(R::polygon_words, "PS0218");
+  d.set_alarm_code(R::polygon_alone, "PS0219");
+  d.set_alarm_code(R::polygon_axis, "PS0314");
+  d.modes.polygon_axis_parameter = "7610";
+  d.modes.system_b_parameter = "3401#6";
+  d.modes.system_c_parameter = "3401#7";
+  d.modes.fine_feed_per_minute_parameter = "1404#2";
   d.set_alarm_code(R::thread_lead_change, "PS0313");
   add_g_codes(d, tables::gcodes_fanuc_0i_t);
   d.incremental_letters[0] = true;  // U W V H (8.1)
+  d.hole_clamp_parameter = "5110";
   d.arcs.negative_r = false;        // PS0023 is a T alarm
   d.tools = {.lathe = true,
              .offset_digits = 2,
@@ -194,6 +234,10 @@ Dialect make_fanuc_0i_t() {
              .most_offsets = 200};
   d.corner_words = letters("IJKRCA");
   d.t_refused_with_actions = true;  // PS0245
+  d.modes.stroke_group = 9;
+  d.modes.polar_linear_parameter = "5460";
+  d.modes.polar_rotary_parameter = "5461";
+  d.modes.polar_unsupported = {"5450#2", "5464"};  // shift function and rotary centre beside the axis
   d.modes.watch_delay_parameter = "4914";
   d.modes.watch_reached_parameter = "4911";
   d.modes.watch_ratio_parameter = "4912";
@@ -221,6 +265,15 @@ Dialect make_fanuc_0i_m() {
   d.set_alarm_code(R::setting_with_length, "PS5391");
   d.set_alarm_code(R::arc_negative_r, "PS0010");  // a T alarm: negative R is legal here
   d.kind = machine::Kind::mill;
+  d.modes.stroke_group = 4;
+  d.modes.fine_feed_per_revolution_parameter = "1405#1";
+  d.threads.q_parameter = "3451#0";
+  d.modes.gear_speeds = {"3741", "3742", "3743"};
+  d.modes.gears_by_machine_parameter = "3706#4";
+  d.modes.rotation_group = 16;
+  d.modes.scaling_group = 11;
+  d.modes.mirror_group = 22;
+  d.modes.polar_group = 17;
   d.modes.scale_unit_parameter = "5400#7";
   d.modes.scale_each_parameter = "5400#6";
   d.modes.scale_parameter = "5411";

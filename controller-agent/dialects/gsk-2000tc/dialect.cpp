@@ -2,6 +2,7 @@
 // 218T.
 #include "dialects/build.hpp"
 #include "dialects/gsk/family.hpp"
+#include "dialects/gsk/language.hpp"
 #include "program/block.hpp"
 #include "tables/gcodes_gsk_2000tc.hpp"
 
@@ -13,9 +14,19 @@ Dialect make_gsk_2000tc() {
   Dialect d = gsk::family();
   d.profile = "gsk-2000tc";
   d.set_alarm_code(R::too_many_m, "135");  // L972
-  add_g_codes(d, tables::gcodes_gsk_2000tc);
+  static constexpr OwnHandler kOwn[] = {{"stroke_zone_on", Phase::action, gsk::stroke_zone_on},
+                                        {"stroke_zone_off", Phase::action, gsk::stroke_zone_off}};
+  add_g_codes(d, tables::gcodes_gsk_2000tc, kOwn);
   for (const std::int32_t after : {11, 13, 33}) d.m_rules.push_back({after, MAction::machine_after});  // L940
-  d.m_rules.push_back({29, MAction::unavailable});
+  d.m_rules.push_back({29, MAction::rigid_tapping});
+  d.m_rules.push_back({9'000, MAction::own, 9'999});
+  d.make_own = [](interp::Executor&) { return gsk::make_language({"S001.4", {}, {}}); };
+  d.threads.runout = true;  // L4150
+  d.threads.change_word = 'R';
+  d.threads.first_lead_changed = true;  // E28: F3.8 R0.2 begins with 4.0
+  d.repeated_alarm_parameter = "S177.7";
+  d.power_on_switches = {{"S174.6", {10, 10, 10}}};
+  d.modes.compensation_group = 7;
   d.numbers.most_increments = 999'999'999;
   d.numbers.power_on_feed_mm_min = 300;  // P076
   d.numbers.addresses = letters("BCDFHIJKLPQRSTUVWXYZ");
@@ -25,8 +36,8 @@ Dialect make_gsk_2000tc() {
   d.calls.l_repeats = true;  // E5
   d.calls.most_repeats = 9'999;
   d.tools.most_offsets = 32;
-  d.corner_words = letters("LD");           // L2270
-  d.may_repeat = letters("STHL");           // S177.7 = 1
+  d.corner_words = letters("LD");  // L2270
+  d.may_repeat = letters("STHL");
   d.both_forms = BothForms::absolute_wins;  // L572
   d.end_of_text = EndOfText::end;
   d.reference_cancels_offset = true;  // L2500

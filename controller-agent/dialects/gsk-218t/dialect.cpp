@@ -1,6 +1,7 @@
 // GSK 218T lathe control.
 #include "dialects/build.hpp"
 #include "dialects/gsk/family.hpp"
+#include "dialects/gsk/language.hpp"
 #include "program/block.hpp"
 #include "tables/gcodes_gsk_218t.hpp"
 
@@ -17,11 +18,16 @@ Dialect make_gsk_218t() {
                                      {R::dwell_words, "168"}})
     d.set_alarm_code(reason, code);
   add_g_codes(d, tables::gcodes_gsk_218t);
-  // No M01, M02 on this control (L805); output pairs M51…M70 go to the machine.
+  // All other codes, M01 and M02 too (L805), are an alarm or call a sub-program.
   std::erase_if(d.m_rules, [](const MRule& rule) { return rule.code == 1 || rule.code == 2; });
-  d.m_rules.push_back({1, MAction::unavailable});
-  d.m_rules.push_back({2, MAction::unavailable});
-  d.numbers.most_increments = 9'999'999;  // ±9999.999 (L322)
+  for (const MRule rule : {MRule{8, MAction::machine, 13},
+                           {32, MAction::machine, 33},
+                           {51, MAction::machine, 70},
+                           {0, MAction::own, 999}})
+    d.m_rules.push_back(rule);
+  d.make_own = [](interp::Executor&) { return gsk::make_language({"P001.4", "P010.7", "P004.2"}); };
+  d.numbers.standard_when_clear_parameter = "P011.0";  // POD
+  d.numbers.most_increments = 9'999'999;               // ±9999.999 (L322)
   d.numbers.addresses = letters("FHIJKLPQRSTUWXZ");
   d.numbers.pointed = letters("FIJKPQRUWXZ");
   d.numbers.negative = letters("IKRUWXZ");

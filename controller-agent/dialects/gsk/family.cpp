@@ -37,6 +37,11 @@ Dialect family() {
                    {R::arc_plane, "026"},
                    {R::thread_lead, "018"},
                    {R::thread_f_and_i, "134"},
+                   {R::thread_lead_change, "018"},
+                   {R::spindle_reversed, "047"},
+                   {R::spindle_gear, "182"},
+                   {R::surface_speed_gear, "141"},
+                   {R::gear_change, "180"},
                    {R::no_start_point, "021"},
                    {R::offset_number, "030"},
                    {R::data_value, "043"},
@@ -56,6 +61,7 @@ Dialect family() {
   d.tools = {.lathe = true, .offset_digits = 2, .sign = 1};
   d.repeated_words = Repeated::alarm;
   d.one_shot_with_motion_is_alarm = true;
+  d.reversal_needs_stop = true;
   return d;
 }
 

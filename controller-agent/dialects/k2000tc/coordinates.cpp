@@ -73,7 +73,8 @@ bool rotation_on(Executor& ex) {
   const auto [first, second] = ex.plane_axes();
   if (first < 0 || second < 0) return ex.alarm(AlarmReason::arc_plane, ex.code_column, "G68.1");
   const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
-  // G91: the angle adds up, and the centre counts from where the tool stands (L6900).
+  // G91: the angle adds up; the centre is absolute all the same, as the manual's repeated figure needs it
+  // (L7074).
   if (ex.incremental && t.rotated) angle += t.angle_deg;
   const auto [was_rotated, was_spatial] = std::pair(t.rotated, t.spatial);
   t.rotated = t.spatial = false;
@@ -81,10 +82,7 @@ bool rotation_on(Executor& ex) {
   if (ex.block.has('I') && ex.block.has('J') && ex.block.has('K')) return rotate_in_space(ex, angle);
   machine::AxisVector center{};
   for (std::size_t i = 0; i < ex.axes.size(); ++i) center[i] = programmed(ex, i);
-  for (const std::size_t i : {a, b}) {
-    const bool by = ex.incremental && ex.block.has(ex.axes[i].name);
-    center[i] = axis_word(ex, i, center[i]) + (by ? programmed(ex, i) : 0);
-  }
+  for (const std::size_t i : {a, b}) center[i] = axis_word(ex, i, center[i]);
   center = t.apply(center);
   t.first = a;
   t.second = b;

@@ -103,6 +103,8 @@ Dialect make_k2000tc() {
   d.modes.scale_by_words = true;
   d.modes.scale_axis_parameter = "P3611";
   d.numbers.decimal_parameter = "P2500.3";  // PODI
+  d.numbers.linear_decimals_parameter = "P0042";
+  d.numbers.rotary_decimals_parameter = "P0045";
   d.numbers.rounding = Rounding::truncate;  // L7160
   d.numbers.most_digits = 17;               // only the digits left after cutting count
   d.numbers.addresses = letters("ABCDEFHIJKLPQRSTUVWXYZ");

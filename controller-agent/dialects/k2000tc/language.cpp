@@ -1,6 +1,7 @@
 // Calls, user codes, conditional jumps and the life of the language's memory.
 #include "dialects/k2000tc/language.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -253,6 +254,18 @@ bool Language::check_words(Executor& ex) {
       const auto letter = static_cast<char>('A' + std::countr_zero(mask));
       if (!b[letter].point)
         return ex.alarm(AlarmReason::decimal_point, b[letter].column, std::string(1, letter));
+    }
+  }
+  if (const auto digits = ex.data.parameters.find("P0015"); digits != ex.data.parameters.end()) {  // L7209
+    const std::int64_t most =
+        program::kPowerOfTen[static_cast<std::size_t>(std::clamp(digits->second, 7.0, 9.0))];
+    for (std::uint32_t mask = b.words & ex.axis_letters; mask != 0; mask &= mask - 1) {
+      const auto letter = static_cast<std::size_t>(std::countr_zero(mask));
+      const auto& axis = ex.axes[static_cast<std::size_t>(ex.axis_of[letter])];
+      const std::int64_t units = ex.nano(b.word[letter], axis.increment) / axis.increment;
+      if (units >= most || units <= -most)
+        return ex.alarm(AlarmReason::too_many_digits, b.word[letter].column,
+                        std::string(1, static_cast<char>('A' + static_cast<int>(letter))));
     }
   }
   if (b.marked == 0) return true;

@@ -130,6 +130,7 @@ class Language final : public interp::OwnLanguage, public k2000::Variables {
   bool check_words(Executor& ex);
   bool jump(Executor& ex, std::int64_t target, std::uint32_t column);
   Taken skip_block(Executor& ex, Frame& frame);
+  Taken search_block(Executor& ex, Frame& frame);
   bool write_out(Executor& ex, std::string text);
   bool jump_input(int which) const;  // M91I, M93I
   k2000::Error machine_variable(std::uint32_t number, Value& value);

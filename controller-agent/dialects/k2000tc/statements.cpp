@@ -430,6 +430,44 @@ interp::OwnLanguage::Taken Language::skip_block(Executor& ex, Frame& frame) {
   return Taken::done;
 }
 
+// A jump looks for its N: nothing else of a block counts.
+interp::OwnLanguage::Taken Language::search_block(Executor& ex, Frame& frame) {
+  const char* end = frame.line.text.data() + frame.line.text.size();
+  const char* stop = block_end(frame.rest, end);
+  std::int64_t sequence = -1, number = -1;
+  const char* at = frame.rest;
+  for (;;) {
+    while (at < stop && (*at == ' ' || *at == '\t')) ++at;
+    if (at == stop) break;
+    if (*at == '%') return Taken::plain;
+    const char letter = *at == ':' ? 'O' : upper(*at);
+    if (letter == '/') {
+      ++at;
+      if (at < stop && is_digit(*at)) ++at;
+      continue;
+    }
+    if ((letter != 'N' && letter != 'O') || at + 1 == stop || !is_digit(at[1])) break;
+    std::int64_t value = 0;
+    for (++at; at < stop && is_digit(*at); ++at)
+      value = value > 99'999'999 ? value : value * 10 + (*at - '0');
+    (letter == 'N' ? sequence : number) = value;
+  }
+  if (number >= 0) {
+    if (!frame.at_start && number != static_cast<std::int64_t>(frame.number)) {  // the file's next program
+      ex.end_of_text(true);
+      return Taken::done;
+    }
+    frame.number = static_cast<std::uint32_t>(number);
+  }
+  if (at < stop || sequence >= 0) frame.at_start = false;
+  if (sequence == frame.wanted_sequence) {
+    frame.wanted_sequence = -1;
+    return Taken::plain;
+  }
+  frame.rest = stop == end ? nullptr : stop + 1;
+  return Taken::done;
+}
+
 interp::OwnLanguage::Taken Language::take_text(Executor& ex, Frame& frame) {
   Level& here = level(ex);
   const bool new_line = frame.rest == frame.line.text.data() && frame.rest != here.text.data();
@@ -440,7 +478,8 @@ interp::OwnLanguage::Taken Language::take_text(Executor& ex, Frame& frame) {
     frame.line.text = here.text;
     frame.rest = here.text.data();
   }
-  if (frame.wanted_sequence >= 0) return Taken::plain;
+  if (frame.wanted_sequence >= 0 && search_block(ex, frame) == Taken::done) return Taken::done;
+  if (frame.wanted_sequence >= 0) return Taken::plain;  // the end of the text
   if (here.skip_to_end >= 0) return skip_block(ex, frame);
 
   // `r1 = 5`: the lexer would take it for the word R1.

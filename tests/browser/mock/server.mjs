@@ -7,6 +7,7 @@ import { createServer } from "node:http";
 import { extname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { inRadii, lathe, live, makeMachine, mill, plot, profiles } from "./shop.mjs";
+import { days, reasons, row } from "./times.mjs";
 import { accept } from "./websocket.mjs";
 import { root } from "../paths.mjs";
 
@@ -36,6 +37,8 @@ export function startMock({ port = 0, machines = 6, dist }) {
   const plain = ({ text, ...rest }) => rest;
   const shown = (p) => ({ id: p.id, folder: p.folder, name: p.name, newest: plain(p.revisions.at(-1)), released: p.revisions.filter((r) => r.released).map(plain).at(-1) ?? null });
   const alarms = shop.flatMap((m) => [1, 2].map((n) => ({ id: m.id * 10 + n, machine: m.id, code: n === 1 ? "OT0500" : "PS0010", text: n === 1 ? { en: "+ OVERTRAVEL ( SOFT 1 ): X axis", zh: "X 轴正向超程（软限位 1）" } : { en: "IMPROPER G-CODE", zh: "G 代码不正确" }, since: iso(n * 90 + m.id * 7), cleared: n === 1 && m.state === "alarm" ? null : iso(n * 90 + m.id * 7 - 4), line: 12 + n, program: "O1001", block: "G01 X520. F0.2" })));
+  const stops = [[300, 270, "idle", 1], [200, 185, "alarm", 3], [120, 70, "idle", null], [9, 0, "hold", null]].map(([from, to, state, reason]) => ({ from: iso(from), to: iso(to), state, open: to === 0, note: reason ? { id: reason, reason, note: "", by: "wang", at: iso(60) } : null }));
+  const calendar = { time_zone: "Asia/Shanghai", shifts: [{ name: "白班", days: [1, 2, 3, 4, 5], start: "08:00", end: "20:00" }] };
   const transfers = new Map();
   let session = null;
   const rights = (role) => ["viewer", "operator", "programmer", "setter", "administrator"].indexOf(role);
@@ -85,6 +88,14 @@ export function startMock({ port = 0, machines = 6, dist }) {
     ["POST", /^\/distributions$/, (_, { body }) => ({ id: 1, program: body.program, revision: body.revision, transfers: body.machines.map((id) => send("put", body.program, body.revision, id)) })],
     ["GET", /^\/transfers$/, () => ({ items: [...transfers.values()].reverse(), next: null })],
     ["GET", /^\/alarms$/, (_, { query }) => ({ items: alarms.filter((a) => (!query.get("machine") || a.machine === Number(query.get("machine"))) && (!query.get("code") || a.code.includes(query.get("code"))) && (query.get("active") !== "true" || !a.cleared)).sort((a, b) => b.since.localeCompare(a.since)), next: null })],
+    ["GET", /^\/oee$/, (_, { query }) => ({ items: query.get("by") ? days(Number(query.get("machine")), query.get("from"), query.get("to")) : shop.map((m) => row(m.id, query.get("from"), query.get("to"))), next: null })],
+    ["GET", /^\/calendar$/, () => calendar],
+    ["PATCH", /^\/calendar$/, (_, { body }) => Object.assign(calendar, body)],
+    ["GET", /^\/alarms\/statistics$/, () => ({ items: ["OT0500", "PS0010", "SV0401"].map((code, n) => ({ code, text: { en: ["+ OVERTRAVEL ( SOFT 1 )", "IMPROPER G-CODE", "V-READY OFF"][n], zh: ["正向超程（软限位 1）", "G 代码不正确", "伺服准备信号断开"][n] }, count: 12 - 3 * n, active_s: 9000 / (n + 1), machines: 3 - n, last: iso(40 * n) })), next: null })],
+    ["GET", /^\/downtime-reasons$/, () => ({ items: reasons, next: null })],
+    ["GET", /^\/machines\/(\d+)\/stops$/, () => ({ items: stops, next: null })],
+    ["POST", /^\/machines\/(\d+)\/downtime$/, (_, { body }) => { const stop = stops.find((one) => one.from === body.from); stop.note = body.reason ? { id: 9, reason: body.reason, note: "", by: session.user, at: iso(0) } : null; return { id: 9 }; }],
+    ["POST", /^\/machines\/(\d+)\/rejects$/, () => ({ id: 1 })],
   ];
 
   const server = createServer((request, response) => {

@@ -71,7 +71,7 @@ TEST(Dialects, SystemsOfTheFanucLathe) {
   EXPECT_EQ(dialect->table('A').find(320)->name, "G32");
   EXPECT_EQ(dialect->table('A').find(330), nullptr);
   EXPECT_EQ(dialect->table('B').find(330)->name, "G33");
-  EXPECT_EQ(dialect->table('A').find(900)->phase, Phase::unavailable);  // turning cycle
+  EXPECT_EQ(dialect->table('A').find(900)->phase, Phase::motion);   // turning cycle
   EXPECT_EQ(dialect->table('B').find(900)->phase, Phase::setting);      // absolute
   EXPECT_EQ(dialect->table('C').find(700)->group, 6);                   // inch
 }

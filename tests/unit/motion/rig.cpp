@@ -51,6 +51,7 @@ Run run(Kernel& kernel, const machine::Machine& machine, const std::vector<Move>
     phase += rpm / 60 * period_s * 2 * M_PI;
     const Sample sample =
         kernel.step(options.overrides ? options.overrides(period) : Overrides{}, phase, rpm);
+    if (options.watch) options.watch(sample);
     limits.add(sample.position);
     error.sample(sample.position, sample.tag);
     result.samples.push_back(sample);

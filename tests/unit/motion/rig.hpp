@@ -28,6 +28,7 @@ struct Options {
   AxisVector start{};
   std::function<Overrides(std::size_t period)> overrides;  // default: all 100 %
   std::function<double(std::size_t period)> rpm;           // default: 1000
+  std::function<void(const Sample&)> watch;                // every sample
   std::size_t most_periods = 4'000'000;
   std::size_t plans_per_step = 0;   // 0: until there is nothing to do
   std::size_t pushes_per_step = 0;  // 0: as many as there is room for

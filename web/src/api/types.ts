@@ -50,6 +50,23 @@ export interface Machine {
 
 export interface Profile { id?: string; profile?: string; name?: string | Localised; kind?: string; [more: string]: unknown }
 
+/// One machine in one stretch of time, with what was counted.
+export interface OeeRow {
+  machine: number; from: string; to: string; day: string | null; shift: string | null;
+  availability: number | null; performance: number | null; quality: number | null; oee: number | null;
+  scheduled_s: number; planned_s: number; planned_stop_s: number; unknown_s: number; unexplained_s: number;
+  states: Partial<Record<MachineState, number>>; reasons: { reason: number; s: number }[];
+  parts: number; rejects: number; ideal_s: number; parts_without_ideal: number;
+}
+export interface Shift { name: string; days: number[]; start: string; end: string }
+export interface Calendar { time_zone: string; shifts: Shift[] }
+export interface AlarmFigure { code: string; text: Localised; count: number; active_s: number; machines: number; last: string }
+export interface DowntimeReason { id: number; name: Localised; planned: boolean }
+export interface Stop {
+  from: string; to: string; state: MachineState; open: boolean;
+  note: { id: number; reason: number | null; note: string; by: string; at: string } | null;
+}
+
 export interface Resident {
   name: string; sha256: string | null; bytes: number | null; since: string | null; selected?: boolean;
   program_id?: number | null; program?: number | null; revision: number | null; stale: boolean | null; released?: boolean | null;

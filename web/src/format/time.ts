@@ -10,6 +10,12 @@ export function duration(seconds: number | null | undefined): string {
   return h > 0 ? `${h}:${String(m).padStart(2, "0")}:${s}` : `${m}:${s}`;
 }
 
+/// 5400 -> "1.5 h", 95 -> "1.6 min": for sums, where seconds do not matter.
+export function hours(seconds: number): string {
+  if (seconds >= 3600) return `${(seconds / 3600).toFixed(seconds < 36_000 ? 2 : 1)} h`;
+  return seconds >= 60 ? `${(seconds / 60).toFixed(1)} min` : `${Math.round(seconds)} s`;
+}
+
 export type Age = { unit: "ms" | "s" | "min" | "h" | "d"; value: number };
 
 /// One figure and one unit: what a person can judge at a glance.
@@ -29,4 +35,10 @@ export function moment(iso: string | null | undefined): string {
   const t = new Date(iso);
   if (Number.isNaN(t.getTime())) return unknownText;
   return `${t.getFullYear()}-${two(t.getMonth() + 1)}-${two(t.getDate())} ${two(t.getHours())}:${two(t.getMinutes())}:${two(t.getSeconds())}`;
+}
+
+/// The time of day with milliseconds, for what happens many times a second.
+export function clockTime(iso: string): string {
+  const at = new Date(iso);
+  return `${at.toLocaleTimeString("en-GB")}.${String(at.getMilliseconds()).padStart(3, "0")}`;
 }

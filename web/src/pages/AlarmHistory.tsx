@@ -6,7 +6,8 @@ import { duration, moment } from "../format/time";
 import { inLanguage } from "../i18n";
 import { useLoad, useShop } from "../live/hooks";
 import { address, swap, useRoute } from "../shell/router";
-import { Button, ErrorNote, Panel } from "../ui/parts";
+import { Button, ErrorNote, Panel, Tabs } from "../ui/parts";
+import { AlarmStatistics } from "./AlarmStatistics";
 
 const filters = ["machine", "from", "to", "code", "q", "active"] as const;
 const periods = { "24h": 1, "7d": 7, "30d": 30 } as const;
@@ -27,7 +28,8 @@ export function AlarmHistory() {
   useEffect(() => { setMore([]); setNext(first?.next ?? null); }, [first]);
   const [text, setText] = useState({ code: chosen.code ?? "", q: chosen.q ?? "" });
 
-  const set = (change: Partial<Record<(typeof filters)[number], string | null>>) => swap(address(["alarms"], { ...chosen, ...change }));
+  const view = route.search.get("view") === "statistics" ? "statistics" : "list";
+  const set = (change: Partial<Record<(typeof filters)[number], string | null>>) => swap(address(["alarms"], { ...chosen, ...change, view: view === "list" ? null : view }));
   const local = (t0: Date) => new Date(t0.getTime() - t0.getTimezoneOffset() * 60_000).toISOString().slice(0, 16);
   const names = new Map((machines ?? []).map((machine) => [machine.id, machine.name]));
   const rows = [...(first?.items ?? []), ...more];
@@ -57,6 +59,10 @@ export function AlarmHistory() {
         <button type="submit" className="visually-hidden">{t("common.apply")}</button>
         {filtered && <Button small kind="quiet" icon="close" onClick={() => { setText({ code: "", q: "" }); swap(address(["alarms"])); }}>{t("alarms.clear")}</Button>}
       </form>
+      <Tabs label={t("alarms.view")} value={view} onChange={(value) => swap(address(["alarms"], { ...chosen, view: value === "list" ? null : value }))}
+        options={[{ value: "list", text: t("alarms.list") }, { value: "statistics", text: t("alarms.statistics") }]} />
+      {view === "statistics" && <Panel className="flush"><AlarmStatistics machine={chosen.machine} from={utc(chosen.from)} to={utc(chosen.to)} onCode={(code) => swap(address(["alarms"], { ...chosen, code }))} /></Panel>}
+      {view === "list" && <>
       <ErrorNote error={error} />
       <Panel className="flush">
         <table className="table alarms">
@@ -81,6 +87,7 @@ export function AlarmHistory() {
         {first && rows.length === 0 && <div className="empty">{t(filtered ? "alarms.none_filtered" : "alarms.none")}</div>}
       </Panel>
       {next && <Button onClick={() => { void page<AlarmRecord>(path(next)).then((got) => { setMore([...more, ...got.items]); setNext(got.next); }); }}>{t("common.more")}</Button>}
+      </>}
     </div>
   );
 }

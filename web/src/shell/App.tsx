@@ -8,6 +8,7 @@ import { Account } from "../pages/Account";
 import { AlarmHistory } from "../pages/AlarmHistory";
 import { Floor } from "../pages/Floor";
 import { SignIn } from "../pages/SignIn";
+import { Times } from "../pages/times/Times";
 import { Users } from "../pages/Users";
 import { Toasts } from "../ui/parts";
 import { Header, LinkBanner } from "./Header";
@@ -16,6 +17,7 @@ import { atLeast, SessionContext } from "./session";
 
 // The 3-D view and the editor are large: they come when a page needs them.
 const MachinePage = lazy(() => import("../pages/machine/MachinePage").then((m) => ({ default: m.MachinePage })));
+const Dnc = lazy(() => import("../pages/dnc/Dnc").then((m) => ({ default: m.Dnc })));
 const Programs = lazy(() => import("../pages/programs/Programs").then((m) => ({ default: m.Programs })));
 
 export function App() {
@@ -75,7 +77,9 @@ function Frame({ session, onSignOut, onChanged }: {
   if (session.must_change_password) content = <Account forced onChanged={onChanged} />;
   else if (page === "machines" && id) content = <MachinePage key={id} id={Number(id)} />;
   else if (page === "programs") content = <Programs program={id ? Number(id) : null} />;
+  else if (page === "dnc") content = <Dnc />;
   else if (page === "alarms") content = <AlarmHistory />;
+  else if (page === "times") content = <Times />;
   else if (page === "users" && atLeast(session, "administrator")) content = <Users />;
   else if (page === "account") content = <Account onChanged={onChanged} />;
   else content = <Floor wall={wall} />;

@@ -1,0 +1,103 @@
+#include "dialects/gsk/language.hpp"
+
+#include <utility>
+
+#include "interpreter/executor.hpp"
+
+namespace headstock::dialects::gsk {
+namespace {
+
+using interp::Executor;
+using R = AlarmReason;
+
+constexpr std::int64_t kMostGear = 4;
+
+class Language final : public interp::OwnLanguage {
+ public:
+  explicit Language(const SpindleRules& rules) : rules_(rules) {}
+
+  // S on a spindle with gears: S1…S4 is the output of that gear, S0 none (218T L461, 2000TC L1335).
+  Taken take_spindle(Executor& ex) override {
+    if (ex.data.parameter(rules_.analog, 1) != 0) return Taken::plain;
+    const program::Word& word = ex.block['S'];
+    if (ex.constant_surface_speed) {
+      ex.alarm(R::surface_speed_gear, word.column, "G96");
+      return Taken::done;
+    }
+    const std::int64_t gear = ex.whole('S', R::spindle_gear);
+    if (gear < 0) return Taken::done;
+    if (gear > kMostGear || word.digit_count > 2) {
+      ex.alarm(R::spindle_gear, word.column, "S" + std::to_string(gear));
+      return Taken::done;
+    }
+    ex.modal.spindle_speed = static_cast<double>(gear);
+    auto& state = ex.emit<interp::Spindle>();
+    state.at = ex.at;
+    state.direction = ex.spindle_direction;
+    state.speed = ex.rpm;
+    state.gear = static_cast<std::uint8_t>(gear);
+    return Taken::done;
+  }
+
+  bool m_code(Executor& ex, const program::Code& code) override {
+    const std::int32_t number = code.tenths / 10;
+    if (number >= 41 && number <= 44) return change_gear(ex, code);
+    if (number >= 9'000) return call(ex, static_cast<std::uint32_t>(number), code.column);
+    if (!ex.data.bit(rules_.subprograms)) return ex.alarm(R::illegal_m, code, 'M');
+    return call(ex, 9'000 + static_cast<std::uint32_t>(number), code.column);
+  }
+
+ private:
+  bool call(Executor& ex, std::uint32_t number, std::uint32_t column) const {
+    return ex.call(ex.programs == nullptr ? nullptr : ex.programs->open_number(number), number, 1, column);
+  }
+
+  // M41-M44: only an analog spindle whose gears change by themselves (218T L4453).
+  bool change_gear(Executor& ex, const program::Code& code) const {
+    if (!ex.data.bit(rules_.gear_change) || ex.data.parameter(rules_.analog, 1) == 0)
+      return ex.alarm(R::gear_change, code, 'M');
+    auto& sent = ex.emit<interp::MCode>();
+    sent.at = ex.at;
+    sent.modal = ex.modal;
+    sent.code = code.tenths / 10;
+    sent.after_motion = true;
+    return true;
+  }
+
+  SpindleRules rules_;
+};
+
+}  // namespace
+
+std::unique_ptr<interp::OwnLanguage> make_language(const SpindleRules& rules) {
+  return std::make_unique<Language>(rules);
+}
+
+// P116/P117: the positive ends of X and Z, P118/P119 the negative ones; S177.0 forbids the outside.
+bool stroke_zone_on(Executor& ex) {
+  struct Corner {
+    char axis;
+    std::string_view most, least;
+  };
+  auto& check = ex.emit<interp::StrokeCheck>();
+  check.at = ex.at;
+  check.on = true;
+  check.outside_forbidden = ex.data.bit("S177.0");
+  for (const Corner& corner : {Corner{'X', "P116", "P118"}, Corner{'Z', "P117", "P119"}}) {
+    const auto axis = ex.axis_named(corner.axis);
+    const auto& set = ex.data.parameters;
+    if (!axis || (!set.contains(corner.most) && !set.contains(corner.least))) continue;
+    check.most[*axis] = ex.page_to_slide(*axis, ex.data.parameter(corner.most));
+    check.least[*axis] = ex.page_to_slide(*axis, ex.data.parameter(corner.least));
+    if (check.most[*axis] < check.least[*axis]) std::swap(check.most[*axis], check.least[*axis]);
+    check.axes |= 1u << *axis;
+  }
+  return true;
+}
+
+bool stroke_zone_off(Executor& ex) {
+  ex.emit<interp::StrokeCheck>().at = ex.at;
+  return true;
+}
+
+}  // namespace headstock::dialects::gsk

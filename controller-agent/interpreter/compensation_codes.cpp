@@ -1,0 +1,61 @@
+// G40 G41 G42 and G39: what they say to the pipeline, which does the work.
+#include "interpreter/executor.hpp"
+#include "interpreter/handlers.hpp"
+
+namespace headstock::interp {
+
+// D: the offset number of G41/G42 on a mill; in force until the next one.
+bool Executor::take_d() {
+  const std::int64_t number = whole('D', AlarmReason::offset_number);
+  if (number < 0) return false;
+  if (number > static_cast<std::int64_t>(dialect.tools.most_offsets)) {
+    return alarm(AlarmReason::offset_number, block['D'].column, "D");
+  }
+  pipeline.d_number = number;
+  return true;
+}
+
+}  // namespace headstock::interp
+
+namespace headstock::interp::handlers {
+namespace {
+
+bool side(Executor& ex, int wanted) {
+  const auto& rules = ex.dialect.compensation;
+  const bool off = ex.data.bit(rules.off_parameter) ||
+                   (!rules.enable_parameter.empty() && ex.data.parameter(rules.enable_parameter, 1) == 0);
+  if (off && wanted != 0)
+    return ex.alarm(AlarmReason::g_unavailable, ex.code_column, std::string(ex.code->name));
+  const bool same = wanted != 0 && ex.pipeline.side() == wanted;
+  if (wanted != 0) ex.pipeline.activate(ex.machine_now);
+  ex.pipeline.written(wanted, same);
+  return true;
+}
+
+}  // namespace
+
+bool compensation_cancel(Executor& ex) {
+  return side(ex, 0);
+}
+bool compensation_left(Executor& ex) {
+  return side(ex, 1);
+}
+bool compensation_right(Executor& ex) {
+  return side(ex, -1);
+}
+
+// G39 [I_ J_ | I_ K_ | J_ K_]: a circle about the corner, to the normal of the next block or of the vector.
+bool corner_arc(Executor& ex) {
+  if ((ex.block.words & ex.axis_letters) != 0) {
+    return ex.alarm(AlarmReason::corner_arc_with_move, ex.code_column, "G39");
+  }
+  constexpr char kVector[3][2] = {{'I', 'J'}, {'K', 'I'}, {'J', 'K'}};
+  const auto& letters = kVector[static_cast<std::size_t>(ex.plane)];
+  const auto part = [&ex](char letter) { return ex.block.has(letter) ? ex.length_mm(ex.block[letter]) : 0; };
+  const comp::Point direction{part(letters[0]), part(letters[1])};
+  const double size = comp::length(direction);
+  ex.pipeline.corner_arc(size > 0, size > 0 ? direction * (1 / size) : comp::Point{});
+  return true;
+}
+
+}  // namespace headstock::interp::handlers

@@ -1,0 +1,224 @@
+// Intake and stage 1: chamfers, corner rounds, open lines of drawing dimensions.
+#include "interpreter/pipeline.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "interpreter/executor.hpp"
+#include "interpreter/pipeline_motion.hpp"
+
+namespace headstock::interp {
+
+using comp::CornerFault;
+using comp::CornerShape;
+using comp::Point;
+
+Motion* motion_of(Operation& operation) {
+  return std::visit(
+      [](auto& op) -> Motion* {
+        if constexpr (std::is_base_of_v<Motion, std::decay_t<decltype(op)>>) {
+          return &op;
+        } else {
+          return nullptr;
+        }
+      },
+      operation);
+}
+
+void Pipeline::clear() {
+  const std::int64_t number = d_number;
+  *this = Pipeline{};
+  d_number = number;
+}
+
+void Pipeline::activate(const AxisVector& machine_position) {
+  if (!active_) position_ = machine_position;
+  active_ = true;
+}
+
+void Pipeline::close_line(const AxisVector& end_machine, const AxisVector& end_work, std::uint32_t moved) {
+  Motion& motion = *motion_of(held_.op);
+  motion.end_machine = end_machine;
+  motion.end_work = end_work;
+  motion.axes |= moved;
+  held_.path.to = {end_machine[held_.mode.first], end_machine[held_.mode.second]};
+  held_.plane_move = comp::length(held_.path.to - held_.path.from) > kNoMove_mm;
+  held_.request.open = false;
+  position_ = end_machine;
+}
+
+void Pipeline::send(Executor& ex, Operation&& op) {
+  if (!ex.out_used) {
+    ex.out_used = true;
+    *ex.out = std::move(op);
+  } else {
+    ex.queue.push_back(std::move(op));
+  }
+}
+
+void Pipeline::raise(Executor& ex, AlarmReason reason, const SourcePosition& at, std::uint32_t column,
+                     std::string detail) {
+  if (stopped_) return;
+  abandon(ex);
+  Alarm alarm;
+  alarm.at = at;
+  alarm.at.column = column;
+  alarm.code = ex.dialect.alarm_code(reason);
+  alarm.detail = std::move(detail);
+  send(ex, std::move(alarm));
+  ex.finished = true;
+  stopped_ = true;
+}
+
+void Pipeline::describe(const Executor& ex, Entry& entry) {
+  Motion* motion = motion_of(entry.op);
+  entry.motion = motion != nullptr;
+  if (motion == nullptr) return;
+  const std::size_t u = entry.mode.first, v = entry.mode.second;
+  const Point from{position_[u], position_[v]};
+  const Point to{motion->end_machine[u], motion->end_machine[v]};
+  if (const auto* arc = std::get_if<Arc>(&entry.op)) {
+    if (arc->plane == entry.mode.plane) {
+      entry.path = comp::arc(from, to, {arc->center_machine[u], arc->center_machine[v]},
+                             arc->turn == Turn::ccw ? 1 : -1);
+      entry.plane_move = true;
+    } else {
+      entry.lifted = true;
+    }
+  } else {
+    entry.path = comp::line(from, to);
+    entry.plane_move = comp::length(to - from) > kNoMove_mm;
+    entry.zero_move = !entry.plane_move && (motion->axes & (1u << u | 1u << v)) != 0;
+  }
+  const auto* rapid = std::get_if<Rapid>(&entry.op);
+  const bool finishing = motion->cycle != nullptr && ex.dialect.compensated_cycle == motion->cycle;
+  entry.lifted = entry.lifted || lift_block_ || (rapid != nullptr && rapid->machine_coordinates) ||
+                 (motion->cycle != nullptr && !finishing) || std::holds_alternative<Thread>(entry.op);
+  position_ = motion->end_machine;
+}
+
+void Pipeline::take(Executor& ex) {
+  incoming_.clear();
+  if (ex.out_used) incoming_.push_back(std::move(*ex.out));
+  for (std::size_t i = ex.queue_head; i < ex.queue.size(); ++i) incoming_.push_back(std::move(ex.queue[i]));
+  ex.queue.clear();
+  ex.queue_head = 0;
+  ex.out_used = false;
+
+  // Polar and cylindrical interpolation hand on moves of the machine's axes: no contour to run beside.
+  if (side_ != 0 && ex.surface.now.kind != SurfaceKind::none) {
+    raise(ex, AlarmReason::compensation_refused, ex.at, 0, {});
+  }
+  const CompensationMode mode = mode_of(ex);
+  bool moved = false;
+  for (Operation& op : incoming_) {
+    if (stopped_) break;
+    Entry entry;
+    entry.op = std::move(op);
+    entry.mode = mode;
+    describe(ex, entry);
+    if (entry.motion) {
+      entry.request = std::exchange(request_, CornerRequest{});
+      moved = moved || entry.plane_move || entry.lifted || entry.request.open;
+    }
+    corners(ex, std::move(entry));
+  }
+  if (block_counts_ && !moved && !stopped_) {
+    if (held_corner_) {
+      if (++blocks_between_ > ex.dialect.corners.most_between) {
+        raise(ex, held_.request.open ? AlarmReason::drawing_blocks : AlarmReason::corner_no_move,
+              motion_of(held_.op)->at, held_.request.column, {});
+      }
+    } else {
+      quiet_block(ex);
+    }
+  }
+  block_counts_ = again_ = lift_block_ = false;
+  request_ = {};
+  const bool busy = held_corner_ || on_ || has_last_ || has_previous_ || side_ != 0;
+  if (!busy || stopped_) active_ = false;
+  if (stopped_) clear();
+}
+
+void Pipeline::corners(Executor& ex, Entry&& entry) {
+  if (held_corner_) {
+    if (entry.motion) return meet_corner(ex, std::move(entry));
+    if (std::holds_alternative<Alarm>(entry.op)) {
+      held_corner_ = false;
+      corner_followers_.clear();
+      return compensate(ex, std::move(entry));
+    }
+    if (std::holds_alternative<End>(entry.op)) {
+      return raise(ex, held_.request.open ? AlarmReason::drawing_no_end : AlarmReason::corner_no_move,
+                   motion_of(held_.op)->at, held_.request.column, {});
+    }
+    corner_followers_.push_back(std::move(entry));
+    return;
+  }
+  if (entry.motion && (entry.request.shape != CornerShape::none || entry.request.open)) {
+    held_ = std::move(entry);
+    held_corner_ = true;
+    blocks_between_ = 0;
+    return;
+  }
+  compensate(ex, std::move(entry));
+}
+
+// The next motion after a block that asked for something at its corner.
+void Pipeline::meet_corner(Executor& ex, Entry&& next) {
+  const CornerRequest request = held_.request;
+  const SourcePosition at = motion_of(held_.op)->at;
+  const auto fail = [&](AlarmReason reason) { raise(ex, reason, at, request.column, {}); };
+  if (request.open) return fail(AlarmReason::drawing_no_end);
+
+  const bool cuts =
+      std::holds_alternative<Feed>(next.op) ||
+      (std::holds_alternative<Arc>(next.op) && ex.dialect.corners.arcs && !request.perpendicular);
+  if (request.shape != CornerShape::none) {
+    if (!cuts || next.lifted) return fail(AlarmReason::corner_not_feed);
+    if (!next.plane_move) return fail(AlarmReason::corner_no_move);
+    if (next.mode.plane != held_.mode.plane) return fail(AlarmReason::corner_not_feed);
+  }
+  if (request.perpendicular) {
+    const Point d = next.path.to - next.path.from;
+    const double along = request.next_is_second ? d.v : d.u;
+    const double across = request.next_is_second ? d.u : d.v;
+    if (std::fabs(across) > kNoMove_mm || along * request.next_sign < 0) {
+      return fail(AlarmReason::corner_not_feed);
+    }
+  }
+  comp::CutCorner cut;
+  cut.fault = CornerFault::not_needed;
+  if (request.shape != CornerShape::none) {
+    cut = comp::cut_corner(held_.path, next.path, request.shape, request.size_mm,
+                           ex.dialect.corners.chamfer_size);
+  }
+  if (cut.fault == CornerFault::too_large) return fail(AlarmReason::corner_too_large);
+
+  Entry first = std::move(held_);
+  held_corner_ = false;
+  if (cut.fault == CornerFault::none) {
+    Entry inserted;
+    inserted.mode = first.mode;
+    inserted.motion = inserted.plane_move = true;
+    inserted.path = cut.inserted;
+    inserted.op =
+        motion_along(ex, *motion_of(first.op), first.mode, cut.inserted.to, cut.inserted, feed_of(first.op));
+    move_end(ex, first.op, first.mode, cut.first);
+    first.path = cut.first;
+    set_arc(ex, next.op, next.mode, cut.second, {});
+    next.path = cut.second;
+    compensate(ex, std::move(first));
+    if (!stopped_) compensate(ex, std::move(inserted));
+  } else {
+    compensate(ex, std::move(first));
+  }
+  for (Entry& follower : corner_followers_) {
+    if (!stopped_) compensate(ex, std::move(follower));
+  }
+  corner_followers_.clear();
+  if (!stopped_) corners(ex, std::move(next));
+}
+
+}  // namespace headstock::interp

@@ -1,0 +1,162 @@
+// Between what handlers emit and what the interpreter hands out. With nothing active operations pass it by.
+// While a chamfer, a corner round, an open drawing dimension or G41/G42 is active, motions are held until
+// enough of the following blocks are known; operations that are no motions keep their place between the
+// motions that surround them. One object a path; belongs to the interpreter's thread.
+//
+//   block → Executor::emit → take(): corners (stage 1) → compensation (stage 2) → Executor::next
+//
+// What is held is bounded: two motions and the operations of a few blocks without motion (more blocks without
+// motion settle the corner: the vector normal to the last motion, as the controllers do). An alarm while
+// blocks are held is handed out after the motions whose path is settled; the others are not run.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "compensation/rules.hpp"
+#include "dialects/alarm_reason.hpp"
+#include "interpreter/canonical.hpp"
+
+namespace headstock::interp {
+
+struct Executor;
+
+/// What a block says about the corner at its end.
+struct CornerRequest {
+  comp::CornerShape shape = comp::CornerShape::none;
+  double size_mm = 0;
+  std::uint32_t column = 0;
+  bool perpendicular = false;   ///< the next block must be a move along the plane's other axis only …
+  bool next_is_second = false;  ///< … this one …
+  int next_sign = 0;            ///< … in this direction; 0: any
+  bool open = false;            ///< the end point is known with the next block (angle only)
+  double angle_deg = 0;         ///< of an open line
+};
+
+/// The compensation in force when a block was read.
+struct CompensationMode {
+  bool asked = false;  ///< G41 or G42 is in force
+  bool wanted = false;                 ///< G41 or G42 with an offset number
+  double radius = 0;                   ///< signed [mm]: > 0 left of the path
+  comp::Point tip;                     ///< from the nose centre to the imaginary tip [mm]
+  std::uint8_t first = 0, second = 1;  ///< the plane's axes, indices
+  Plane plane = Plane::xy;
+  bool again = false;  ///< G41/G42 written in this block though it was in force
+};
+
+class Pipeline {
+ public:
+  /// Whether operations must go through take().
+  bool active() const { return active_; }
+  /// Whether G41/G42 displaces the path now.
+  bool compensating() const { return on_; }
+  /// Whether a motion waits for the next one because of a chamfer, a round or an open line.
+  bool holds_corner() const { return held_corner_; }
+  /// G41/G42 have no effect from now on (the profile of a roughing cycle is read).
+  void corners_only() { no_compensation_ = true; }
+  /// Forgets what is held and the vectors; the path continues where the tool stands.
+  void clear();
+
+  // ---- what handlers say about the block being carried out
+  void activate(const AxisVector& machine_position);
+  void ask_corner(const CornerRequest& request) { request_ = request; }
+  bool line_is_open() const { return held_corner_ && held_.request.open; }
+  double open_angle_deg() const { return held_.request.angle_deg; }
+  /// The end of the open line [machine coordinates, page].
+  void close_line(const AxisVector& end_machine, const AxisVector& end_work, std::uint32_t moved);
+  void block_read() { block_counts_ = true; }    ///< a block that is not empty
+  void drop_for_setting() { touch_ = true; }     ///< G50/G92: the vector is dropped and taken again
+  void drop_for_block() { lift_block_ = true; }  ///< G28 and the like: this block runs without the vector
+  void corner_arc(bool has_direction, comp::Point direction);  ///< G39
+  void written(int side, bool same_as_before);                 ///< G40 (0), G41 (1), G42 (-1)
+  int side() const { return side_; }
+
+  /// The plane's axes and the tool of the block being carried out.
+  CompensationMode mode_of(const Executor& ex) const;
+
+  /// Takes all that the block emitted and gives the Executor what may go on.
+  void take(Executor& ex);
+
+  std::int64_t d_number = 0;  ///< D in force (mill)
+
+ private:
+  enum class Role : std::uint8_t { body, start };
+  struct Entry {
+    Operation op;
+    CompensationMode mode;
+    CornerRequest request;
+    comp::Segment path;  ///< programmed, in the plane
+    comp::Point start_vector;
+    Role role = Role::body;
+    bool motion = false;
+    bool plane_move = false;  ///< moves in the plane by more than nothing
+    bool zero_move = false;   ///< a move in the plane by nothing
+    bool lifted = false;      ///< runs without the vector
+    bool free_start = false;  ///< starts at a vector that is not its own: not checked
+  };
+  struct Corner39 {
+    bool asked = false, has_direction = false;
+    comp::Point direction;
+  };
+
+  void describe(const Executor& ex, Entry& entry);
+  // stage 1 (pipeline.cpp)
+  void corners(Executor& ex, Entry&& entry);
+  void meet_corner(Executor& ex, Entry&& next);
+  // stage 2 (pipeline_compensation.cpp)
+  void compensate(Executor& ex, Entry&& entry);
+  void quiet_block(Executor& ex);
+  void follow(Executor& ex, Entry&& entry);
+  void leave(Executor& ex, Entry&& entry);
+  bool close_last(Executor& ex, comp::Vectors end);
+  void release_previous(Executor& ex);
+  void settle_here(Executor& ex);
+  void abandon(Executor& ex);
+  void send_displaced(Executor& ex, Entry& entry);
+  void displace(const Executor& ex, Motion& motion, const CompensationMode& mode, comp::Point by) const;
+  void send_corner(Executor& ex, const Entry& block, const comp::Vectors& vectors);
+  comp::OffsetRules offset_rules(const Executor& ex) const;
+
+  void send(Executor& ex, Operation&& op);
+  void raise(Executor& ex, dialects::AlarmReason reason, const SourcePosition& at, std::uint32_t column,
+             std::string detail);
+
+  bool active_ = false;
+  bool no_compensation_ = false;
+  bool stopped_ = false;   ///< an alarm was raised here
+  AxisVector position_{};  ///< end of the last motion read, as programmed
+  std::vector<Operation> incoming_;
+
+  // the block being taken
+  CornerRequest request_;
+  bool block_counts_ = false;
+  bool touch_ = false;
+  bool lift_block_ = false;
+  bool again_ = false;
+  int side_ = 0;
+  Corner39 corner_arc_;
+
+  // stage 1
+  Entry held_;
+  bool held_corner_ = false;
+  int blocks_between_ = 0;
+  std::vector<Entry> corner_followers_;
+
+  // stage 2
+  bool on_ = false;
+  bool has_previous_ = false, has_last_ = false;
+  Entry previous_, last_;
+  comp::Vectors corner_;  ///< at the start of last_
+  std::vector<Entry> between_, after_;
+  comp::Point kept_;  ///< vector the tool stands at when nothing is held
+  CompensationMode kept_mode_;
+  int quiet_blocks_ = 0;
+  bool touched_ = false;
+};
+
+/// @return nullptr when it is no motion.
+Motion* motion_of(Operation& operation);
+
+}  // namespace headstock::interp

@@ -1,0 +1,316 @@
+// Stage 2: G40 G41 G42. `last_` is the motion whose end waits for the next one; `previous_` the one before
+// it, whose corner with `last_` is known but may still lose vectors when `last_` turns out to run backwards.
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "interpreter/executor.hpp"
+#include "interpreter/pipeline.hpp"
+#include "interpreter/pipeline_motion.hpp"
+
+namespace headstock::interp {
+
+using comp::Point;
+using comp::Vectors;
+
+namespace {
+
+constexpr double kSameRadius_mm = 1e-6;
+constexpr double kNearVectors_mm = 1e-5;
+constexpr int kReadAhead = 3;
+
+// From the nose centre to the imaginary tip, in the plane's axes (Z, X of G18).
+constexpr Point kTips[10] = {{0, 0}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1},
+                             {1, 0}, {0, 1}, {-1, 0}, {0, -1},  {0, 0}};
+
+bool is_arc(const Operation& operation) {
+  return std::holds_alternative<Arc>(operation);
+}
+
+}  // namespace
+
+CompensationMode Pipeline::mode_of(const Executor& ex) const {
+  CompensationMode mode;
+  mode.plane = ex.plane;
+  const auto plane = ex.plane_axes();
+  mode.first = static_cast<std::uint8_t>(plane.first < 0 ? 0 : plane.first);
+  mode.second = static_cast<std::uint8_t>(plane.second < 0 ? 0 : plane.second);
+  if (side_ == 0 || no_compensation_) return mode;
+  const auto& rules = ex.dialect.compensation;
+  const std::int64_t number = rules.by_d ? d_number : ex.modal.offset;
+  mode.again = again_;
+  mode.asked = true;
+  mode.wanted = number > 0;
+  if (!mode.wanted || number >= static_cast<std::int64_t>(ex.data.tools.size())) return mode;
+  const ToolOffset& tool = ex.data.tools[static_cast<std::size_t>(number)];
+  const double value = tool.radius + tool.radius_wear;
+  // In a plane that is mirrored the tool is on the other side, as arcs turn the other way.
+  const int side = ex.transform.reverses(mode.first, mode.second) ? -side_ : side_;
+  mode.radius = side * (ex.data.bit(rules.diameter_parameter) ? value / 2 : value);
+  if (ex.dialect.tools.lathe && tool.tip > 0 && tool.tip < 9 &&
+      (rules.tips_in_all_planes || ex.plane == Plane::zx)) {
+    mode.tip = kTips[tool.tip] * std::fabs(mode.radius);
+  }
+  return mode;
+}
+
+comp::OffsetRules Pipeline::offset_rules(const Executor& ex) const {
+  const auto& rules = ex.dialect.compensation;
+  comp::OffsetRules offset;
+  offset.start = ex.data.bit(rules.type_b_parameter) ? comp::StartType::b : rules.start;
+  offset.start_by_normal = rules.start_by_normal;
+  offset.circular_outside = ex.data.bit(rules.circular_parameter);
+  return offset;
+}
+
+void Pipeline::written(int side, bool same_as_before) {
+  again_ = same_as_before && side != 0;
+  side_ = side;
+}
+
+void Pipeline::corner_arc(bool has_direction, Point direction) {
+  corner_arc_ = {true, has_direction, direction};
+}
+
+void Pipeline::displace(const Executor& ex, Motion& motion, const CompensationMode& mode, Point by) const {
+  shift_end(ex, motion, mode, by + mode.tip);
+}
+
+// Motions of other axes and operations that are no motions, at the vector that the tool stands at.
+void Pipeline::send_displaced(Executor& ex, Entry& entry) {
+  if (entry.motion && on_) displace(ex, *motion_of(entry.op), kept_mode_, kept_);
+  send(ex, std::move(entry.op));
+}
+
+void Pipeline::compensate(Executor& ex, Entry&& entry) {
+  if (!entry.motion) {
+    if (std::holds_alternative<End>(entry.op)) {
+      settle_here(ex);
+      on_ = false;
+      side_ = 0;
+    } else if (std::holds_alternative<Alarm>(entry.op)) {
+      abandon(ex);
+    }
+    return follow(ex, std::move(entry));
+  }
+  const auto& refused = ex.dialect.compensation;
+  if (entry.mode.wanted && refused.threads_refused && std::holds_alternative<Thread>(entry.op)) {
+    return raise(ex, AlarmReason::compensation_refused, motion_of(entry.op)->at, 0, {});
+  }
+  if (entry.lifted) {  // the vector is dropped; the next motion in the plane takes it again
+    settle_here(ex);
+    on_ = false;
+    return send(ex, std::move(entry.op));
+  }
+  if (!entry.plane_move) {
+    const bool settles = entry.zero_move && on_;
+    follow(ex, std::move(entry));
+    if (settles) settle_here(ex);
+    return;
+  }
+  quiet_blocks_ = 0;
+  if (on_ && entry.mode.plane != (has_last_ ? last_.mode : kept_mode_).plane) {
+    return raise(ex, AlarmReason::compensation_plane, motion_of(entry.op)->at, 0, {});
+  }
+  if (entry.mode.asked && !entry.mode.wanted && !on_ && refused.zero_number_is_alarm) {
+    return raise(ex, AlarmReason::compensation_number, motion_of(entry.op)->at, 0, {});
+  }
+  if (!entry.mode.wanted) return on_ ? leave(ex, std::move(entry)) : send(ex, std::move(entry.op));
+
+  const double r = entry.mode.radius;
+  if (!on_) {
+    if (is_arc(entry.op)) {
+      return raise(ex, AlarmReason::compensation_start_arc, motion_of(entry.op)->at, 0, {});
+    }
+    on_ = true;
+    entry.role = Role::start;
+    corner_ = comp::single({});
+    last_ = std::move(entry);
+    has_last_ = true;
+    return;
+  }
+  if (is_arc(entry.op)) {
+    const comp::Segment& path = entry.path;
+    const double left = std::min(path.start_radius(), path.end_radius()) - path.turn * r;
+    if (left < kSameRadius_mm && path.turn * r > 0) {
+      const bool same = left > -kSameRadius_mm;
+      return raise(ex, same ? AlarmReason::compensation_arc_centre : AlarmReason::compensation_overcut,
+                   motion_of(entry.op)->at, 0, {});
+    }
+  }
+  if (entry.mode.again && ex.dialect.compensation.again_is_perpendicular && has_last_) settle_here(ex);
+  if (!has_last_) {
+    corner_ = comp::single(kept_);
+    entry.free_start = true;
+    last_ = std::move(entry);
+    has_last_ = true;
+    return;
+  }
+
+  comp::OffsetRules rules = offset_rules(ex);
+  if (std::holds_alternative<Rapid>(entry.op)) rules.circular_outside = false;
+  const double r_last = last_.mode.radius;
+  Vectors v;
+  if (last_.role == Role::start) {
+    v = comp::start_up(last_.path, entry.path, r, rules);
+  } else if (corner_arc_.asked) {
+    v = comp::corner_arc(last_.path,
+                         corner_arc_.has_direction ? corner_arc_.direction : entry.path.direction_at_start(),
+                         r_last);
+  } else if (r * r_last < 0) {
+    if (ex.dialect.compensation.side_change_after_start_is_alarm && has_previous_ &&
+        previous_.role == Role::start) {
+      return raise(ex, AlarmReason::compensation_side, motion_of(entry.op)->at, 0, {});
+    }
+    v = comp::change_side(last_.path, r_last, entry.path, r);
+  } else {
+    v = comp::corner(last_.path, entry.path, r_last, rules);
+  }
+  corner_arc_ = {};
+  if (v.count == 0) {
+    return raise(ex, AlarmReason::compensation_no_crossing, motion_of(entry.op)->at, 0, {});
+  }
+  if (!entry.path.arc || entry.path.sweep <= std::numbers::pi) {
+    const double near = ex.data.parameter(ex.dialect.compensation.near_parameter, kNearVectors_mm);
+    comp::merge_near(v, std::max(near, kNearVectors_mm));
+  }
+  if (std::exchange(touched_, false)) {
+    v.bare = static_cast<int>(v.count);
+    v.add({});
+    v.add(v.at[v.count - 2]);
+  }
+  if (!close_last(ex, v)) return;
+  last_ = std::move(entry);
+  has_last_ = true;
+}
+
+// Whatever is no motion in the plane keeps its place behind the motion before it.
+void Pipeline::follow(Executor& ex, Entry&& entry) {
+  if (has_last_) {
+    after_.push_back(std::move(entry));
+  } else {
+    send_displaced(ex, entry);
+  }
+}
+
+// A block with G40 (or offset number 0) that moves in the plane.
+void Pipeline::leave(Executor& ex, Entry&& entry) {
+  if (is_arc(entry.op)) {
+    return raise(ex, AlarmReason::compensation_start_arc, motion_of(entry.op)->at, 0, {});
+  }
+  if (has_last_) {
+    comp::OffsetRules rules = offset_rules(ex);
+    if (std::holds_alternative<Rapid>(entry.op)) rules.circular_outside = false;
+    const double r = last_.mode.radius;
+    const Vectors v = last_.role == Role::start ? comp::single(comp::normal_at_end(last_.path, r))
+                                                : comp::cancel(last_.path, entry.path, r, rules);
+    if (!close_last(ex, v)) return;
+    last_ = entry;  // its feed is that of the corner's moves
+    has_last_ = true;
+    release_previous(ex);
+    has_last_ = false;
+  }
+  on_ = false;
+  send(ex, std::move(entry.op));
+}
+
+// The end of `last_` is known now: it is checked, the one before it goes out, and it becomes `previous_`.
+bool Pipeline::close_last(Executor& ex, Vectors end) {
+  const auto& rules = ex.dialect.compensation;
+  const bool checked = last_.role == Role::body && !last_.free_start &&
+                       (rules.check_parameter.empty() || ex.data.parameter(rules.check_parameter, 1) != 0);
+  if (checked) {
+    bool straight = false;
+    if (comp::settle(last_.path, corner_, end, straight) == comp::Between::reversed) {
+      raise(ex, AlarmReason::compensation_interference, motion_of(last_.op)->at, 0, {});
+      return false;
+    }
+    if (straight) {
+      last_.op = motion_along(ex, *motion_of(last_.op), last_.mode, last_.path.to,
+                              comp::line(last_.path.from, last_.path.to), feed_of(last_.op));
+      last_.path = comp::line(last_.path.from, last_.path.to);
+    }
+  }
+  if (has_previous_) release_previous(ex);
+  last_.start_vector = corner_.last();
+  previous_ = std::move(last_);
+  has_previous_ = true;
+  has_last_ = false;
+  corner_ = end;
+  between_.swap(after_);
+  return true;
+}
+
+// `previous_` with the moves of its corner and what follows it. The corner belongs to the block after it: its
+// feed (K2000TC L17626).
+void Pipeline::release_previous(Executor& ex) {
+  if (!has_previous_) return;
+  const MotionFeed speed = feed_of(has_last_ ? last_.op : previous_.op);
+  const Motion like = *motion_of(previous_.op);
+  const CompensationMode mode = previous_.mode;
+  const comp::Segment path = previous_.path;
+
+  comp::Segment run = path;
+  run.from = path.from + previous_.start_vector;
+  run.to = path.to + corner_.first();
+  if (run.arc) run.sweep = comp::arc(run.from, run.to, run.center, run.turn).sweep;
+  set_arc(ex, previous_.op, mode, run, mode.tip);
+  displace(ex, *motion_of(previous_.op), mode, corner_.first());
+  send(ex, std::move(previous_.op));
+  has_previous_ = false;
+
+  const Point tip = mode.tip;
+  for (std::size_t i = 1; i < corner_.count; ++i) {
+    const bool bare = corner_.bare == static_cast<int>(i);
+    const Point to = path.to + (bare ? Point{} : corner_.at[i] + tip);
+    comp::Segment move = comp::line({}, to);
+    if (corner_.circular && i == 1) {
+      move = comp::arc(path.to + corner_.at[0], path.to + corner_.at[1], path.to, corner_.turn);
+      move.center = move.center + tip;
+      move.from = move.from + tip;
+      move.to = move.to + tip;
+    }
+    send(ex, motion_along(ex, like, mode, to, move, speed));
+  }
+  kept_ = corner_.last();
+  kept_mode_ = mode;
+  for (Entry& entry : between_) send_displaced(ex, entry);
+  between_.clear();
+}
+
+// No more is known of what follows: the vector normal to the last motion.
+void Pipeline::settle_here(Executor& ex) {
+  if (has_last_) {
+    if (!close_last(ex, comp::single(comp::normal_at_end(last_.path, last_.mode.radius)))) return;
+  }
+  release_previous(ex);
+  touched_ = false;
+}
+
+void Pipeline::quiet_block(Executor& ex) {
+  const auto& rules = ex.dialect.compensation;
+  if (std::exchange(touch_, false)) touched_ = has_last_;
+  if (!on_) return;
+  ++quiet_blocks_;
+  if (rules.most_quiet_blocks > 0 && quiet_blocks_ >= rules.most_quiet_blocks) {
+    return raise(ex, AlarmReason::compensation_quiet_blocks, ex.at, 0, {});
+  }
+  const bool cancelled = side_ == 0 || (again_ && rules.again_is_perpendicular);
+  const double wanted = ex.data.parameter(rules.read_ahead_parameter, kReadAhead);
+  const int read_ahead = wanted >= 3 && wanted <= 8 ? static_cast<int>(wanted) : kReadAhead;
+  if (has_last_ && (cancelled || quiet_blocks_ > read_ahead - 2)) settle_here(ex);
+}
+
+// An alarm: what is settled has gone out or goes out now, the rest is not run.
+void Pipeline::abandon(Executor& ex) {
+  if (has_previous_) {
+    corner_ = comp::single(corner_.first());
+    between_.clear();
+    release_previous(ex);
+  }
+  has_last_ = false;
+  after_.clear();
+  between_.clear();
+}
+
+}  // namespace headstock::interp

@@ -1,0 +1,154 @@
+#include "server/dnc/received.hpp"
+
+#include <algorithm>
+
+#include "db/refusal.hpp"
+#include "protocol/tape/decoder.hpp"
+#include "protocol/tape/punch.hpp"
+#include "server/access/audit.hpp"
+#include "server/library/programs.hpp"
+
+namespace headstock::dnc {
+namespace {
+
+/// Larger texts are compared by their content only.
+constexpr std::int64_t kMostCompared = 8 << 20;
+
+std::string subject(std::int64_t id) {
+  return std::string("received:").append(std::to_string(id));
+}
+
+std::string names_of(const std::vector<library::ChangeClass>& classes) {
+  std::string names;
+  for (const auto change : classes) {
+    if (!names.empty()) names += ',';
+    names += library::to_string(change);
+  }
+  return names;
+}
+
+db::ReceivedRow decide(db::Database& db, const access::Actor& actor, std::int64_t id, const char* state,
+                       const std::string& why, std::int64_t now_ms) {
+  auto row = db::received(db, id);
+  if (!row) throw db::Refusal("not_found", "received");
+  if (row->decided_ms) throw db::Refusal("already_decided");
+  row->state = state;
+  row->decided_by = actor.user;
+  row->decided_why = why;
+  row->decided_ms = now_ms;
+  db::update_received(db, *row);
+  access::record(db, actor, std::string("received.").append(state), subject(id),
+                 {{"name", row->name}, {"sha256", row->sha256}, {"why", why}});
+  return *row;
+}
+
+}  // namespace
+
+Punch take_apart(const std::string& bytes, bool closed, const PortSettings& settings, const db::PortRow& port,
+                 const db::Blobs& blobs) {
+  Punch punch;
+  tape::Findings findings;
+  punch.text = tape::decoded(bytes, serial::read_format(settings.link), &findings);
+  if (!findings.none()) {
+    punch.reason = "punch_parity";
+    punch.where = tape::describe(findings.kept().front());
+    return punch;
+  }
+  tape::PunchSplitter splitter;
+  splitter.put(punch.text);
+  splitter.finish();
+  if (splitter.too_many()) punch.reason = "too_many_programs";
+  if (splitter.pieces().empty()) punch.reason = "punch_empty";
+  if (!punch.reason.empty()) return punch;
+  const auto rule = port.name_rule == "comment" ? tape::NameRule::comment : tape::NameRule::number;
+  for (const tape::PunchedPiece& piece : splitter.pieces()) {
+    Punch::Piece made;
+    const std::string fallback =
+        piece.kind == tape::PunchKind::program ? "received" : std::string(tape::name_of(piece.kind));
+    made.row.kind = tape::name_of(piece.kind);
+    made.row.name = tape::punched_name(piece, rule, fallback);
+    made.row.comment = library::to_utf8(piece.comment, "");
+    made.row.closed = closed || splitter.closed();
+    library::Upload upload(blobs);
+    upload.append("%\n");
+    upload.append(std::string_view(punch.text).substr(piece.begin, piece.end - piece.begin));
+    if (punch.text[piece.end - 1] != '\n') upload.append("\n");
+    upload.append("%\n");
+    made.blob = upload.finish();
+    made.row.sha256 = made.blob.sha256;
+    punch.pieces.push_back(std::move(made));
+  }
+  return punch;
+}
+
+std::vector<std::int64_t> keep(db::Database& db, const db::Blobs& blobs, Punch punch, const db::PortRow& port,
+                               std::int64_t transfer, std::int64_t now_ms) {
+  std::vector<std::int64_t> ids;
+  db::Transaction transaction(db);
+  for (auto& [row, blob] : punch.pieces) {
+    if (!db::blob(db, blob.sha256)) db::insert_blob(db, blob, now_ms);
+    row.port = port.id;
+    row.machine = port.machine;
+    row.transfer = transfer;
+    row.folder = port.folder;
+    row.at_ms = now_ms;
+    const auto program = row.kind == "program" ? db::program_named(db, row.folder, row.name) : std::nullopt;
+    const auto against = program ? (program->released ? program->released : program->newest) : std::nullopt;
+    if (against) {
+      row.program = program->id;
+      row.against_revision = against->number;
+      if (against->blob.sha256 == row.sha256) {
+        row.state = "same";
+      } else if (std::max(against->blob.bytes, blob.bytes) > kMostCompared) {
+        row.classes = "structure";
+      } else {
+        const auto left = blobs.map(against->blob.sha256), right = blobs.map(row.sha256);
+        library::DiffOptions options;
+        options.max_rows = 1;
+        const auto difference =
+            library::compare(left->view(), against->blob.encoding, right->view(), blob.encoding, options);
+        row.classes = names_of(difference.classes);
+        // Line ends and the % lines are the line's, not the program's.
+        if (difference.classes.empty()) row.state = "same";
+      }
+    }
+    if (row.state == "same") {
+      row.decided_by = "server";
+      row.decided_ms = now_ms;
+    }
+    row.id = db::insert_received(db, row);
+    if (row.state == "same") db::update_received(db, row);
+    ids.push_back(row.id);
+  }
+  transaction.commit();
+  return ids;
+}
+
+db::ReceivedRow accept(db::Database& db, const access::Actor& actor, std::int64_t id, const std::string& why,
+                       std::int64_t now_ms) {
+  access::demand(actor, access::Action::upload_program);
+  db::Transaction transaction(db);
+  auto row = decide(db, actor, id, "accepted", why, now_ms);
+  if (row.kind == "program") {
+    const auto blob = db::blob(db, row.sha256);
+    if (!blob) throw db::Refusal("damaged_content", row.sha256);
+    const std::string origin = std::string(row.machine != 0 ? "machine:" : "port:")
+                                   .append(std::to_string(row.machine != 0 ? row.machine : row.port));
+    const auto added = library::add_revision(db, actor, {row.folder, row.name}, *blob,
+                                             why.empty() ? "from machine" : why, origin, now_ms);
+    row.program = added.program.id;
+  }
+  transaction.commit();
+  return row;
+}
+
+db::ReceivedRow reject(db::Database& db, const access::Actor& actor, std::int64_t id, const std::string& why,
+                       std::int64_t now_ms) {
+  access::demand(actor, access::Action::upload_program);
+  db::Transaction transaction(db);
+  auto row = decide(db, actor, id, "rejected", why, now_ms);
+  transaction.commit();
+  return row;
+}
+
+}  // namespace headstock::dnc

@@ -1,0 +1,1 @@
+headstock_bench(cycles SOURCES cycles_bench.cpp DEPENDS headstock::dialects)
