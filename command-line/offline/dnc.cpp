@@ -157,6 +157,7 @@ int send(const Options& options, const LinkSettings& settings, Session& session)
   if (!session.open()) return 1;
   bool over = false;
   serial::SendReport last;
+  say(std::string(serial::name_of(last.state)));
   session.line().send(serial::send_rules(settings),
                       std::make_unique<FileSource>(options.file == "-" ? std::cin : file, settings),
                       [&](const serial::SendReport& report) {
@@ -200,6 +201,7 @@ int receive(const Options& options, const LinkSettings& settings, Session& sessi
   bool over = false;
   std::string bytes;
   serial::ReceiveReport last;
+  say(std::string(serial::name_of(last.state)));
   session.line().receive(
       serial::receive_rules(settings),
       [&](std::string_view data) {

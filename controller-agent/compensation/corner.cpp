@@ -53,10 +53,14 @@ bool touch_point(const Segment& segment, Point center, bool near_end, Point& out
 bool chamfer(const Segment& a, const Segment& b, double size, ChamferSize meaning, Point& start, Point& end) {
   if (meaning == ChamferSize::cut_back)
     return point_at(a, true, size, start) && point_at(b, false, size, end);
-  // Equal distances from the corner whose chord has the length: by halving, arcs have no formula.
-  double low = 0, high = std::min(a.length_mm(), b.length_mm()) + kSlack_mm;
-  while (high > 1e-6 && !(point_at(a, true, high, start) && point_at(b, false, high, end))) high *= 0.999;
-  if (length(end - start) < size) return false;
+  // Equal distances from the corner whose chord has the length: by halving, for arcs have no formula.
+  const double most = std::min(a.length_mm(), b.length_mm()) + kSlack_mm;
+  double low = 0, high = size / 2;
+  for (;; low = high, high = std::min(high * 1.1, most)) {
+    if (!point_at(a, true, high, start) || !point_at(b, false, high, end)) return false;
+    if (length(end - start) >= size) break;
+    if (high >= most) return false;
+  }
   for (int i = 0; i < 60; ++i) {
     const double middle = (low + high) / 2;
     if (!point_at(a, true, middle, start) || !point_at(b, false, middle, end)) return false;

@@ -10,6 +10,7 @@ constexpr double kStraightOn = 1e-7;  // rad
 constexpr double kNearlyTangent =
     2 * kDegree;  // end points are rounded: offset paths may just miss each other
 constexpr double kAgainst_mm = 1e-6;
+constexpr double kLonger_mm = 0.01;
 
 struct Turn {
   double angle;      // from the end of one to the start of the other, + to the left
@@ -40,6 +41,26 @@ bool inside_vector(const Segment& a, const Segment& b, double r, Point& out) {
   if (at.count == 2) {
     const Point other = at.point[1] - a.to;
     if (length(other) < length(out)) out = other;
+  }
+  return true;
+}
+
+// Whether the straight way from one point to another leaves the whole block uncut.
+bool clears(const Segment& block, Point from, Point to, double r) {
+  constexpr int kParts = 16;
+  const Point way = to - from;
+  const double whole = dot(way, way);
+  for (int i = 0; i <= kParts; ++i) {
+    const double part = static_cast<double>(i) / kParts;
+    Point at = block.from + (block.to - block.from) * part;
+    if (block.arc) {
+      const Point arm = block.from - block.center;
+      const double by = block.turn * block.sweep * part;
+      at = block.center +
+           Point{arm.u * std::cos(by) - arm.v * std::sin(by), arm.u * std::sin(by) + arm.v * std::cos(by)};
+    }
+    const double near = whole > 0 ? std::fmax(0.0, std::fmin(1.0, dot(at - from, way) / whole)) : 0;
+    if (length(from + way * near - at) < r - kLonger_mm) return false;
   }
   return true;
 }
@@ -172,10 +193,14 @@ Between check(const Segment& block, Point start, Point end) {
   if (length(e - s) < kAgainst_mm && block.sweep < std::numbers::pi) return Between::good;
   double sweep = swept(s, e, block.center, block.turn);
   if (sweep < 1e-9 && block.sweep > std::numbers::pi) sweep = 2 * std::numbers::pi;
-  return std::fabs(sweep - block.sweep) > std::numbers::pi ? Between::reversed : Between::good;
+  if (std::fabs(sweep - block.sweep) > std::numbers::pi) return Between::reversed;
+  // Corners only ever shorten an arc. One that became longer by more than rounding runs into its neighbours:
+  // the controllers' half-turn rule alone would let small inside arcs do that.
+  const double longer_mm = (sweep - block.sweep) * length(s - block.center);
+  return longer_mm > kLonger_mm ? Between::reversed : Between::good;
 }
 
-Between settle(const Segment& block, Vectors& start, Vectors& end, bool& straight) {
+Between settle(const Segment& block, Vectors& start, Vectors& end, double r, bool& straight) {
   straight = false;
   if (check(block, start.last(), end.first()) == Between::good) return Between::good;
   Vectors s = start, e = end;
@@ -187,6 +212,7 @@ Between settle(const Segment& block, Vectors& start, Vectors& end, bool& straigh
     }
     const Segment way = line(block.from, block.to);
     if (check(block.arc ? way : block, s.last(), e.first()) != Between::good) continue;
+    if (!clears(block, block.from + s.last(), block.to + e.first(), std::fabs(r))) continue;
     s.circular = s.circular && s.count > 1;
     e.circular = false;
     start = s;

@@ -80,9 +80,10 @@ enum class Between : std::uint8_t {
 Between check(const Segment& block, Point start, Point end);
 
 /// Deletes vectors that cross each other at the two ends of a block, the nearest pair first, never the last
-/// ones of a corner (K2000TC L18078-L18145). @return reversed: it helped not; the vectors are as they were.
+/// ones of a corner (K2000TC L18078-L18145), and only where the straight way that is left does not cut the
+/// block. @return reversed: it helped not; the vectors are as they were.
 /// `straight`: the block is an arc that must run as a line now.
-Between settle(const Segment& block, Vectors& start, Vectors& end, bool& straight);
+Between settle(const Segment& block, Vectors& start, Vectors& end, double r, bool& straight);
 
 /// Leaves out vectors nearer than `limit` to the one before, in both axes.
 void merge_near(Vectors& vectors, double limit);

@@ -14,7 +14,7 @@ using comp::CornerFault;
 using comp::CornerShape;
 using comp::Point;
 
-Motion* motion_of(Operation& operation) {
+Motion* motion_in(Operation& operation) {
   return std::visit(
       [](auto& op) -> Motion* {
         if constexpr (std::is_base_of_v<Motion, std::decay_t<decltype(op)>>) {
@@ -38,7 +38,7 @@ void Pipeline::activate(const AxisVector& machine_position) {
 }
 
 void Pipeline::close_line(const AxisVector& end_machine, const AxisVector& end_work, std::uint32_t moved) {
-  Motion& motion = *motion_of(held_.op);
+  Motion& motion = *motion_in(held_.op);
   motion.end_machine = end_machine;
   motion.end_work = end_work;
   motion.axes |= moved;
@@ -72,7 +72,7 @@ void Pipeline::raise(Executor& ex, AlarmReason reason, const SourcePosition& at,
 }
 
 void Pipeline::describe(const Executor& ex, Entry& entry) {
-  Motion* motion = motion_of(entry.op);
+  Motion* motion = motion_in(entry.op);
   entry.motion = motion != nullptr;
   if (motion == nullptr) return;
   const std::size_t u = entry.mode.first, v = entry.mode.second;
@@ -128,7 +128,7 @@ void Pipeline::take(Executor& ex) {
     if (held_corner_) {
       if (++blocks_between_ > ex.dialect.corners.most_between) {
         raise(ex, held_.request.open ? AlarmReason::drawing_blocks : AlarmReason::corner_no_move,
-              motion_of(held_.op)->at, held_.request.column, {});
+              motion_in(held_.op)->at, held_.request.column, {});
       }
     } else {
       quiet_block(ex);
@@ -151,7 +151,7 @@ void Pipeline::corners(Executor& ex, Entry&& entry) {
     }
     if (std::holds_alternative<End>(entry.op)) {
       return raise(ex, held_.request.open ? AlarmReason::drawing_no_end : AlarmReason::corner_no_move,
-                   motion_of(held_.op)->at, held_.request.column, {});
+                   motion_in(held_.op)->at, held_.request.column, {});
     }
     corner_followers_.push_back(std::move(entry));
     return;
@@ -168,7 +168,7 @@ void Pipeline::corners(Executor& ex, Entry&& entry) {
 // The next motion after a block that asked for something at its corner.
 void Pipeline::meet_corner(Executor& ex, Entry&& next) {
   const CornerRequest request = held_.request;
-  const SourcePosition at = motion_of(held_.op)->at;
+  const SourcePosition at = motion_in(held_.op)->at;
   const auto fail = [&](AlarmReason reason) { raise(ex, reason, at, request.column, {}); };
   if (request.open) return fail(AlarmReason::drawing_no_end);
 
@@ -204,7 +204,7 @@ void Pipeline::meet_corner(Executor& ex, Entry&& next) {
     inserted.motion = inserted.plane_move = true;
     inserted.path = cut.inserted;
     inserted.op =
-        motion_along(ex, *motion_of(first.op), first.mode, cut.inserted.to, cut.inserted, feed_of(first.op));
+        motion_along(ex, *motion_in(first.op), first.mode, cut.inserted.to, cut.inserted, feed_of(first.op));
     move_end(ex, first.op, first.mode, cut.first);
     first.path = cut.first;
     set_arc(ex, next.op, next.mode, cut.second, {});

@@ -157,6 +157,6 @@ class Pipeline {
 };
 
 /// @return nullptr when it is no motion.
-Motion* motion_of(Operation& operation);
+Motion* motion_in(Operation& operation);
 
 }  // namespace headstock::interp

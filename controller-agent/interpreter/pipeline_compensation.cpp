@@ -78,7 +78,7 @@ void Pipeline::displace(const Executor& ex, Motion& motion, const CompensationMo
 
 // Motions of other axes and operations that are no motions, at the vector that the tool stands at.
 void Pipeline::send_displaced(Executor& ex, Entry& entry) {
-  if (entry.motion && on_) displace(ex, *motion_of(entry.op), kept_mode_, kept_);
+  if (entry.motion && on_) displace(ex, *motion_in(entry.op), kept_mode_, kept_);
   send(ex, std::move(entry.op));
 }
 
@@ -95,7 +95,7 @@ void Pipeline::compensate(Executor& ex, Entry&& entry) {
   }
   const auto& refused = ex.dialect.compensation;
   if (entry.mode.wanted && refused.threads_refused && std::holds_alternative<Thread>(entry.op)) {
-    return raise(ex, AlarmReason::compensation_refused, motion_of(entry.op)->at, 0, {});
+    return raise(ex, AlarmReason::compensation_refused, motion_in(entry.op)->at, 0, {});
   }
   if (entry.lifted) {  // the vector is dropped; the next motion in the plane takes it again
     settle_here(ex);
@@ -110,17 +110,17 @@ void Pipeline::compensate(Executor& ex, Entry&& entry) {
   }
   quiet_blocks_ = 0;
   if (on_ && entry.mode.plane != (has_last_ ? last_.mode : kept_mode_).plane) {
-    return raise(ex, AlarmReason::compensation_plane, motion_of(entry.op)->at, 0, {});
+    return raise(ex, AlarmReason::compensation_plane, motion_in(entry.op)->at, 0, {});
   }
   if (entry.mode.asked && !entry.mode.wanted && !on_ && refused.zero_number_is_alarm) {
-    return raise(ex, AlarmReason::compensation_number, motion_of(entry.op)->at, 0, {});
+    return raise(ex, AlarmReason::compensation_number, motion_in(entry.op)->at, 0, {});
   }
   if (!entry.mode.wanted) return on_ ? leave(ex, std::move(entry)) : send(ex, std::move(entry.op));
 
   const double r = entry.mode.radius;
   if (!on_) {
     if (is_arc(entry.op)) {
-      return raise(ex, AlarmReason::compensation_start_arc, motion_of(entry.op)->at, 0, {});
+      return raise(ex, AlarmReason::compensation_start_arc, motion_in(entry.op)->at, 0, {});
     }
     on_ = true;
     entry.role = Role::start;
@@ -135,7 +135,7 @@ void Pipeline::compensate(Executor& ex, Entry&& entry) {
     if (left < kSameRadius_mm && path.turn * r > 0) {
       const bool same = left > -kSameRadius_mm;
       return raise(ex, same ? AlarmReason::compensation_arc_centre : AlarmReason::compensation_overcut,
-                   motion_of(entry.op)->at, 0, {});
+                   motion_in(entry.op)->at, 0, {});
     }
   }
   if (entry.mode.again && ex.dialect.compensation.again_is_perpendicular && has_last_) settle_here(ex);
@@ -160,7 +160,7 @@ void Pipeline::compensate(Executor& ex, Entry&& entry) {
   } else if (r * r_last < 0) {
     if (ex.dialect.compensation.side_change_after_start_is_alarm && has_previous_ &&
         previous_.role == Role::start) {
-      return raise(ex, AlarmReason::compensation_side, motion_of(entry.op)->at, 0, {});
+      return raise(ex, AlarmReason::compensation_side, motion_in(entry.op)->at, 0, {});
     }
     v = comp::change_side(last_.path, r_last, entry.path, r);
   } else {
@@ -168,7 +168,7 @@ void Pipeline::compensate(Executor& ex, Entry&& entry) {
   }
   corner_arc_ = {};
   if (v.count == 0) {
-    return raise(ex, AlarmReason::compensation_no_crossing, motion_of(entry.op)->at, 0, {});
+    return raise(ex, AlarmReason::compensation_no_crossing, motion_in(entry.op)->at, 0, {});
   }
   if (!entry.path.arc || entry.path.sweep <= std::numbers::pi) {
     const double near = ex.data.parameter(ex.dialect.compensation.near_parameter, kNearVectors_mm);
@@ -196,7 +196,7 @@ void Pipeline::follow(Executor& ex, Entry&& entry) {
 // A block with G40 (or offset number 0) that moves in the plane.
 void Pipeline::leave(Executor& ex, Entry&& entry) {
   if (is_arc(entry.op)) {
-    return raise(ex, AlarmReason::compensation_start_arc, motion_of(entry.op)->at, 0, {});
+    return raise(ex, AlarmReason::compensation_start_arc, motion_in(entry.op)->at, 0, {});
   }
   if (has_last_) {
     comp::OffsetRules rules = offset_rules(ex);
@@ -221,12 +221,12 @@ bool Pipeline::close_last(Executor& ex, Vectors end) {
                        (rules.check_parameter.empty() || ex.data.parameter(rules.check_parameter, 1) != 0);
   if (checked) {
     bool straight = false;
-    if (comp::settle(last_.path, corner_, end, straight) == comp::Between::reversed) {
-      raise(ex, AlarmReason::compensation_interference, motion_of(last_.op)->at, 0, {});
+    if (comp::settle(last_.path, corner_, end, last_.mode.radius, straight) == comp::Between::reversed) {
+      raise(ex, AlarmReason::compensation_interference, motion_in(last_.op)->at, 0, {});
       return false;
     }
     if (straight) {
-      last_.op = motion_along(ex, *motion_of(last_.op), last_.mode, last_.path.to,
+      last_.op = motion_along(ex, *motion_in(last_.op), last_.mode, last_.path.to,
                               comp::line(last_.path.from, last_.path.to), feed_of(last_.op));
       last_.path = comp::line(last_.path.from, last_.path.to);
     }
@@ -246,7 +246,7 @@ bool Pipeline::close_last(Executor& ex, Vectors end) {
 void Pipeline::release_previous(Executor& ex) {
   if (!has_previous_) return;
   const MotionFeed speed = feed_of(has_last_ ? last_.op : previous_.op);
-  const Motion like = *motion_of(previous_.op);
+  const Motion like = *motion_in(previous_.op);
   const CompensationMode mode = previous_.mode;
   const comp::Segment path = previous_.path;
 
@@ -255,7 +255,7 @@ void Pipeline::release_previous(Executor& ex) {
   run.to = path.to + corner_.first();
   if (run.arc) run.sweep = comp::arc(run.from, run.to, run.center, run.turn).sweep;
   set_arc(ex, previous_.op, mode, run, mode.tip);
-  displace(ex, *motion_of(previous_.op), mode, corner_.first());
+  displace(ex, *motion_in(previous_.op), mode, corner_.first());
   send(ex, std::move(previous_.op));
   has_previous_ = false;
 

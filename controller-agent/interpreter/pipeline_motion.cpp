@@ -51,7 +51,7 @@ void set_arc(const Executor& ex, Operation& operation, const CompensationMode& m
 
 void move_end(const Executor& ex, Operation& operation, const CompensationMode& mode,
               const comp::Segment& path) {
-  Motion& motion = *motion_of(operation);
+  Motion& motion = *motion_in(operation);
   shift_end(ex, motion, mode,
             path.to - Point{motion.end_machine[mode.first], motion.end_machine[mode.second]});
   set_arc(ex, operation, mode, path, {});

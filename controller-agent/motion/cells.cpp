@@ -12,17 +12,23 @@ constexpr double kAny = std::numeric_limits<double>::infinity();
 constexpr double kJerkUnlimited = 1e9;
 // Shares of the limits. The rest of the acceleration brakes in a curve taken at its highest speed; the small
 // margins pay for derivatives that change within one period.
-constexpr double kVelocity = 0.9995, kAcceleration = 0.99, kJerk = 0.96;
-constexpr double kBendShare = 0.985;  // of the acceleration for curvature at the highest speed
-constexpr double kTwistShare = 0.6;   // of the jerk for twist at the highest speed
+constexpr double kVelocity = 0.9995, kAcceleration = 0.995, kJerk = 0.96;
+constexpr double kBendShare = 0.99;  // of the acceleration for curvature at the highest speed
+constexpr double kTwistShare = 0.8;  // of the jerk for twist at the highest speed
 // Smoothing time: twice acceleration / jerk lets a straight line use its whole acceleration, once of it blurs
 // half as much. The longer one pays as long as it is short beside the waves of a path.
 constexpr double kLongSmoothing_s = 0.010;
 // Periods. A step may begin in one cell and end in another; where the third derivative jumps the acceleration
-// of a step is not that of its middle.
+// of a step is not that of its middle. Where it does not, what an average mixes from both sides cancels to
+// the first order, and half the way is enough.
 constexpr double kWindowMargin = 1.0, kSmoothMargin = 0.1;
-constexpr double kJump = 0.004;  // of the acceleration: error of a step's middle that is small enough
-constexpr double kMostBendParts = 8, kBlur = 0.05;  // of a bend; share of its reach worth telling apart
+constexpr double kSmoothWindow = 0.15, kJumpInWindow = 0.05;  // found by the property tests, not by a proof
+constexpr double kJump = 0.012;  // of the acceleration: error of a step's middle that is small enough
+// A bend is cut into at most so many cells, as far as its reach makes a share of it worth telling apart.
+struct BendParts {
+  double most, blur;
+};
+constexpr BendParts kParts{6, 0.08}, kPartsUnsmoothed{8, 0.05};
 constexpr std::size_t kMostSmoothing = 1024;
 
 }  // namespace
@@ -46,6 +52,8 @@ CellMaker::CellMaker(const machine::Machine& machine) : period_s_(machine.period
   // The average lies in the middle of what it averages: no value of a window is farther from it than half a
   // window at the highest speed there.
   window_s_ = (0.5 * (static_cast<double>(smoothing_periods_) - 1) + kWindowMargin) * period_s_;
+  smooth_window_s_ =
+      (kSmoothWindow * (static_cast<double>(smoothing_periods_) - 1) + kSmoothMargin) * period_s_;
   longest_reach_ = fastest * window_s_;
 }
 
@@ -99,22 +107,27 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
     if (twist[i] > 0) speed = std::min(speed, std::cbrt(kTwistShare * axis.jerk / twist[i]));
   }
   cell.speed = std::min(speed, cell.feed * kMaxOverride);
-  cell.acceleration = kAny;
+  // Per axis |a| <= (J - twist v³) / (3 bend v_max + 2 rate / smoothing time): concave in v², so its chord
+  // from no speed to the highest is inside.
+  double still = kAny, fast = kAny;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const double per_acceleration = 3 * bends[i] * cell.speed + 2 * cell.rate[i] / smoothing_s_;
-    if (axes_[i].jerk < kAny && per_acceleration > 0)
-      cell.acceleration =
-          std::min(cell.acceleration,
-                   (axes_[i].jerk - twist[i] * cell.speed * cell.speed * cell.speed) / per_acceleration);
+    if (!(axes_[i].jerk < kAny) || per_acceleration <= 0) continue;
+    still = std::min(still, axes_[i].jerk / per_acceleration);
+    fast =
+        std::min(fast, (axes_[i].jerk - twist[i] * cell.speed * cell.speed * cell.speed) / per_acceleration);
   }
+  cell.jerk_gain = still;
+  cell.jerk_loss = still < kAny && cell.speed > 0 ? (still - fast) / (cell.speed * cell.speed) : 0;
   cell.reach = cell.speed * window_s_;
-  if (smoothing_periods_ == 1 && smooth_around(span, cell.speed)) cell.reach *= kSmoothMargin / kWindowMargin;
+  if (smooth_around(span, cell.speed)) cell.reach = cell.speed * smooth_window_s_;
 }
 
 void CellMaker::limit(RawCell& target, const RawCell& by) {
   target.speed = std::min(target.speed, by.speed);
   target.feed = std::min(target.feed, by.feed);
-  target.acceleration = std::min(target.acceleration, by.acceleration);
+  target.jerk_gain = std::min(target.jerk_gain, by.jerk_gain);
+  target.jerk_loss = std::max(target.jerk_loss, by.jerk_loss);
   for (std::size_t i = 0; i < target.rate.size(); ++i) {
     target.rate[i] = std::max(target.rate[i], by.rate[i]);
     target.bend_up[i] = std::max(target.bend_up[i], by.bend_up[i]);
@@ -123,7 +136,9 @@ void CellMaker::limit(RawCell& target, const RawCell& by) {
 }
 
 bool CellMaker::smooth_around(const Span& span, double speed) const {
-  const double factor = speed * speed * speed * period_s_;
+  // Error of the middle of what is averaged, when the third derivative jumps there.
+  const double factor = speed * speed * speed * period_s_ *
+                        std::max(1.0, kJumpInWindow * static_cast<double>(smoothing_periods_));
   const auto jumps = [&](const Span& other) {
     for (std::size_t i = 0; i < axes_.size(); ++i)
       if (std::abs(span.c[3][i] - other.c[3][i]) * factor > kJump * axes_[i].acceleration) return true;
@@ -156,7 +171,8 @@ void CellMaker::cut(const Span& span) {
   if (!span.straight) {
     RawCell whole;
     measure(span, span.begin, span.end, whole);
-    parts = static_cast<int>(std::clamp(std::ceil(length / (kBlur * whole.reach)), 1.0, kMostBendParts));
+    const BendParts& cuts = smoothing_periods_ > 1 ? kParts : kPartsUnsmoothed;
+    parts = static_cast<int>(std::clamp(std::ceil(length / (cuts.blur * whole.reach)), 1.0, cuts.most));
   }
   double from = span.begin;
   for (int i = 1; i <= parts; ++i) {
@@ -240,7 +256,8 @@ bool CellMaker::next(Cell& out) {
   out.stop = raw.stop;
   out.kind = raw.kind;
   out.reference_rpm = raw.reference_rpm;
-  out.most_acceleration = raw.acceleration;
+  out.jerk_gain = raw.jerk_gain;
+  out.jerk_loss = raw.jerk_loss;
   out.axes = 0;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     if (raw.rate[i] < 1e-9) continue;

@@ -6,9 +6,10 @@
 // acceleration a, jerk j along the path its limits hold when
 //     rate v <= V      bend v² + rate |a| <= A      twist v³ + 3 bend v |a| + rate |j| <= J.
 // The moving average of `smoothing_s` makes |j| <= 2 max|a| / smoothing_s, which turns the third into a limit
-// on a. Because averaged values mix what happened within that time, each cell's limits are also laid on
-// everything within its own highest speed times half that time, before and behind ("spreading"): a window
-// whose average lies here and that reaches farther would have gone faster than allowed near here.
+// on a; twist v³ there is taken as twist v_max v², so that it is linear in v² as the others are. Because
+// averaged values mix what happened within that time, each cell's limits are also laid on everything within
+// its own highest speed times half that time, before and behind ("spreading"): a window whose average lies
+// here and that reaches farther would have gone faster than allowed near here.
 #pragma once
 
 #include <algorithm>
@@ -41,9 +42,10 @@ struct Cell {
   AxisVector gain{};       ///< acceleration an axis leaves along a straight path [mm/s²]
   AxisVector loss_up{};    ///< of it per v² by curvature when speeding up [1/mm]; negative: curvature helps
   AxisVector loss_down{};  ///< the same when braking
-  double most_acceleration = 0;  ///< |a| allowed by jerk, mm/s²
-  PerPlan ceiling{};             ///< highest v² of each plan
-  PerPlan ceiling_braking{};     ///< deceleration allowed at the ceiling
+  double jerk_gain = 0;    ///< |a| allowed by jerk at no speed, mm/s²
+  double jerk_loss = 0;    ///< of it per v² [1/mm], >= 0
+  PerPlan ceiling{};       ///< highest v² of each plan
+  PerPlan ceiling_braking{};  ///< deceleration allowed at the ceiling
   /// v² at `begin` from which the path ahead can be followed; only ever raised while published.
   std::array<std::atomic<double>, kPlanCount> entry{};
 
@@ -51,14 +53,14 @@ struct Cell {
   /// The same for a whole period: the square of the speed counts in its middle, where speeding up has made
   /// more of it than there was, and braking less.
   double acceleration_for(double speed, double period_s) const {
-    double a = most_acceleration;
+    double a = jerk_gain - jerk_loss * speed * speed;
     for (std::size_t i = 0; i < axes; ++i)
       a = std::min(
           a, (gain[i] - loss_up[i] * speed * speed) / (1 + std::max(0.0, loss_up[i]) * speed * period_s));
     return a > 0 ? a : 0;
   }
   double braking_for(double speed, double period_s) const {
-    double a = most_acceleration;
+    double a = jerk_gain - jerk_loss * speed * speed;
     for (std::size_t i = 0; i < axes; ++i)
       a = std::min(a, (gain[i] - loss_down[i] * speed * speed) /
                           (1 + std::max(0.0, -loss_down[i]) * speed * period_s));
@@ -72,7 +74,7 @@ struct Cell {
   /// Highest v² from which, braking over `way`, v² = `ahead` is reached.
   double entry_before(double ahead, double way) const {
     const double twice = 2 * way;
-    double square = ahead + twice * most_acceleration;
+    double square = (ahead + twice * jerk_gain) / (1 + twice * jerk_loss);
     for (std::size_t i = 0; i < axes; ++i) {
       // Curvature counts where it leaves least: at the entry when it costs, at the end of the cell when it
       // helps.
@@ -84,7 +86,7 @@ struct Cell {
 
  private:
   double left_of(const AxisVector& loss, double speed_squared) const {
-    double a = most_acceleration;
+    double a = jerk_gain - jerk_loss * speed_squared;
     for (std::size_t i = 0; i < axes; ++i) {
       const double left = gain[i] - loss[i] * speed_squared;
       if (left < a) a = left;
@@ -107,11 +109,11 @@ struct RawCell {
   bool straight = false, stop = false;
   FeedKind kind = FeedKind::feed;
   double reference_rpm = 0;
-  AxisVector rate{};                  ///< largest |q'|
-  AxisVector bend_up{}, bend_down{};  ///< largest q'' with, against the sense of q'; signed
-  double speed = 0;                   ///< highest, whatever the override
-  double feed = 0;                    ///< highest at override 1
-  double acceleration = 0;            ///< by jerk
+  AxisVector rate{};                    ///< largest |q'|
+  AxisVector bend_up{}, bend_down{};    ///< largest q'' with, against the sense of q'; signed
+  double speed = 0;                     ///< highest, whatever the override
+  double feed = 0;                      ///< highest at override 1
+  double jerk_gain = 0, jerk_loss = 0;  ///< as in Cell
   double reach = 0;  ///< own highest speed times the smoothing time: how far its limits are spread
 };
 
@@ -145,7 +147,7 @@ class CellMaker {
   std::vector<AxisLimits> axes_;
   double period_s_;
   std::size_t smoothing_periods_ = 1;
-  double smoothing_s_ = 0, window_s_ = 0;
+  double smoothing_s_ = 0, window_s_ = 0, smooth_window_s_ = 0;
   double longest_reach_ = 0;
   bool jerk_limited_ = false;
   std::deque<FeedSection> sections_;

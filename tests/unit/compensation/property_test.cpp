@@ -13,7 +13,9 @@
 namespace headstock::reference {
 namespace {
 
-constexpr double kTolerance = 0.004;
+// End points are written with three decimals; where vectors are deleted the control links what is left by a
+// straight line, as the manuals say, which may pass a neighbour by some micrometres less.
+constexpr double kTolerance = 0.02;
 
 // Headings stay within 80° of +X: such a contour never meets itself.
 std::vector<Piece> random_contour(std::mt19937& random) {
@@ -94,8 +96,8 @@ TEST(CompensationProperty, DistanceOrAlarm) {
   std::printf("contours without alarm %d, with alarm %d, with interference beyond the neighbours %d\n", good,
               alarms, unseen);
   EXPECT_GT(good, 2'000);
-  EXPECT_GT(alarms, 500);
-  EXPECT_LT(unseen, good / 10);
+  EXPECT_GT(alarms, 300);
+  EXPECT_LT(unseen, good / 100);
 }
 
 }  // namespace

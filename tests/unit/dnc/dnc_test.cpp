@@ -1,4 +1,5 @@
-// What is decided beside the line: settings, requests, what goes out, what came in, where a program can begin again.
+// What is decided beside the line: settings, requests, what goes out, what came in, where a program can begin
+// again.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -33,7 +34,8 @@ std::string refusal_of(const std::function<void()>& action) {
 }
 
 TEST(Settings, AreTheProtocolsUnlessSaidAndSurviveTheStore) {
-  const auto settings = settings_from({{"protocol", "lathe-200t"}, {"strip_spaces", true}, {"after_stop", 20}});
+  const auto settings =
+      settings_from({{"protocol", "lathe-200t"}, {"strip_spaces", true}, {"after_stop", 20}});
   EXPECT_EQ(serial::to_text(settings.link.line), "9600-8-O-1-software");
   EXPECT_TRUE(settings.filter.strip_spaces);
   EXPECT_EQ(to_json(settings_from(to_json(settings))), to_json(settings));
@@ -49,14 +51,17 @@ TEST(Settings, WhatIsWrongIsNamed) {
 }
 
 TEST(Requests, ArePatternsNotPrograms) {
-  const auto rules = rules_from(json::parse(R"j([{"pattern":"(GET=*)","name":"O*"},{"pattern":"(LIST)","action":"list","name":"O9999"}])j"));
+  const auto rules = rules_from(json::parse(
+      R"j([{"pattern":"(GET=*)","name":"O*"},{"pattern":"(LIST)","action":"list","name":"O9999"}])j"));
   EXPECT_EQ(wanted("%\nO0001( get = 1234 )\nM30\n%\n", rules).name, "O1234");
   EXPECT_EQ(wanted("%\nO1(LIST)\n%\n", rules).name, "O9999");
   EXPECT_EQ(wanted("%\nO1(GET=)\n%\n", rules).rule, nullptr);
   EXPECT_EQ(wanted("%\nO1(GET=../X)\n%\n", rules).rule, nullptr);
   EXPECT_EQ(wanted("%\nO1\nG0X1\n%\n", rules).rule, nullptr);
-  EXPECT_EQ(refusal_of([] { rules_from(json::parse(R"([{"pattern":"G*","name":"*"}])")); }), "bad_value:rules");
-  EXPECT_EQ(refusal_of([] { rules_from(json::parse(R"j([{"pattern":"(GET=*)","name":""}])j")); }), "bad_value:rules");
+  EXPECT_EQ(refusal_of([] { rules_from(json::parse(R"([{"pattern":"G*","name":"*"}])")); }),
+            "bad_value:rules");
+  EXPECT_EQ(refusal_of([] { rules_from(json::parse(R"j([{"pattern":"(GET=*)","name":""}])j")); }),
+            "bad_value:rules");
 }
 
 struct DncTest : testing::Test {
@@ -71,22 +76,44 @@ struct DncTest : testing::Test {
   static std::string sent(const OutgoingText& text, const PortSettings& settings) {
     const auto source = outgoing(text, settings);
     std::string all, piece(7, '\0');
-    for (auto read = source->read(piece); read.count > 0; read = source->read(piece)) all.append(piece, 0, read.count);
+    for (auto read = source->read(piece); read.count > 0; read = source->read(piece))
+      all.append(piece, 0, read.count);
     return all;
   }
 };
 
 TEST_F(DncTest, PortsAreRecordsWithRules) {
   auto& db = *database;
-  const auto row = create_port(db, kSetter, {{"name", "Old lathe"}, {"address", "/dev/ttyS0"}, {"settings", {{"protocol", "xon-xoff"}}}}, 5);
+  const auto row = create_port(
+      db, kSetter,
+      {{"name", "Old lathe"}, {"address", "/dev/ttyS0"}, {"settings", {{"protocol", "xon-xoff"}}}}, 5);
   EXPECT_EQ(db::ports(db).size(), 1u);
-  EXPECT_EQ(refusal_of([&] { create_port(db, kOperator, {{"name", "X"}, {"address", "/dev/ttyS1"}}, 5); }), "forbidden:edit_machine");
-  EXPECT_EQ(refusal_of([&] { create_port(db, kSetter, {{"name", "Old lathe"}, {"address", "/dev/ttyS1"}}, 5); }), "name_taken:Old lathe");
-  EXPECT_EQ(refusal_of([&] { create_port(db, kSetter, {{"name", "X"}, {"address", "/dev/ttyS0"}}, 5); }), "name_taken:address");
-  EXPECT_EQ(refusal_of([&] { create_port(db, kSetter, {{"name", "X"}, {"address", "/etc/passwd"}}, 5); }), "bad_value:address");
-  EXPECT_EQ(refusal_of([&] { create_port(db, kSetter, {{"name", "X"}, {"address", "/dev/../etc/passwd"}}, 5); }), "bad_value:address");
-  EXPECT_EQ(refusal_of([&] { create_port(db, kSetter, {{"name", "X"}, {"address", "tcp://h:1"}, {"machine", 99}}, 5); }), "not_found:machine");
-  const auto changed = change_port(db, kSetter, row.id, {{"listens", true}, {"address", "tcp://serial-1:4001"}}, 6);
+  EXPECT_EQ(refusal_of([&] {
+              create_port(db, kOperator, {{"name", "X"}, {"address", "/dev/ttyS1"}}, 5);
+            }),
+            "forbidden:edit_machine");
+  EXPECT_EQ(refusal_of([&] {
+              create_port(db, kSetter, {{"name", "Old lathe"}, {"address", "/dev/ttyS1"}}, 5);
+            }),
+            "name_taken:Old lathe");
+  EXPECT_EQ(refusal_of([&] {
+              create_port(db, kSetter, {{"name", "X"}, {"address", "/dev/ttyS0"}}, 5);
+            }),
+            "name_taken:address");
+  EXPECT_EQ(refusal_of([&] {
+              create_port(db, kSetter, {{"name", "X"}, {"address", "/etc/passwd"}}, 5);
+            }),
+            "bad_value:address");
+  EXPECT_EQ(refusal_of([&] {
+              create_port(db, kSetter, {{"name", "X"}, {"address", "/dev/../etc/passwd"}}, 5);
+            }),
+            "bad_value:address");
+  EXPECT_EQ(refusal_of([&] {
+              create_port(db, kSetter, {{"name", "X"}, {"address", "tcp://h:1"}, {"machine", 99}}, 5);
+            }),
+            "not_found:machine");
+  const auto changed =
+      change_port(db, kSetter, row.id, {{"listens", true}, {"address", "tcp://serial-1:4001"}}, 6);
   EXPECT_TRUE(changed.listens);
   EXPECT_EQ(changed.name, "Old lathe");
   remove_port(db, kSetter, row.id, 7);
@@ -111,14 +138,16 @@ TEST_F(DncTest, WhatGoesOutIsLookedThroughFirst) {
 
 TEST_F(DncTest, ARestartSendsItsHeaderThenTheRest) {
   const auto settings = settings_from({{"protocol", "xon-xoff"}});
-  EXPECT_EQ(sent({file("%\nO1\nG0 X1\nG1 X2\nM30\n%\n"), "%\nO1\n(HEADER)\n", 11}, settings), "%\nO1\n(HEADER)\nG1 X2\nM30\n%\n");
+  EXPECT_EQ(sent({file("%\nO1\nG0 X1\nG1 X2\nM30\n%\n"), "%\nO1\n(HEADER)\n", 11}, settings),
+            "%\nO1\n(HEADER)\nG1 X2\nM30\n%\n");
   const auto lathe = settings_from({{"protocol", "lathe-200t"}});
   EXPECT_EQ(examine({file("G0\n"), "", 0}, lathe).bytes, 5u) << "G0 CR LF and 1A";
 }
 
 TEST_F(DncTest, APunchWaitsForApprovalAndChangesNothingBefore) {
   auto& db = *database;
-  const auto port = create_port(db, kSetter, {{"name", "P"}, {"address", "tcp://h:1"}, {"settings", {{"protocol", "xon-xoff"}}}}, 5);
+  const auto port = create_port(
+      db, kSetter, {{"name", "P"}, {"address", "tcp://h:1"}, {"settings", {{"protocol", "xon-xoff"}}}}, 5);
   const auto settings = settings_from(json::parse(port.settings_json));
   library::Upload upload(blobs);
   upload.append("%\nO0001\nG1X1F100\nM30\n%\n");
@@ -129,7 +158,8 @@ TEST_F(DncTest, APunchWaitsForApprovalAndChangesNothingBefore) {
   transfer.state = "done";
   transfer.by = "control";
   const auto id = db::insert_port_transfer(db, transfer);
-  auto punch = take_apart("%\r\nO0001\r\nG1X1F120\r\nM30\r\nO0002(NEW)\r\nM99\r\n%\r\n", true, settings, port, blobs);
+  auto punch =
+      take_apart("%\r\nO0001\r\nG1X1F120\r\nM30\r\nO0002(NEW)\r\nM99\r\n%\r\n", true, settings, port, blobs);
   ASSERT_EQ(punch.reason, "");
   const auto ids = keep(db, blobs, std::move(punch), port, id, 6);
   ASSERT_EQ(ids.size(), 2u);
@@ -153,7 +183,8 @@ TEST_F(DncTest, APunchWaitsForApprovalAndChangesNothingBefore) {
 
 TEST_F(DncTest, WhatIsInTheLibraryAlreadyNeedsNoDecision) {
   auto& db = *database;
-  const auto port = create_port(db, kSetter, {{"name", "P"}, {"address", "tcp://h:1"}, {"settings", {{"protocol", "xon-xoff"}}}}, 5);
+  const auto port = create_port(
+      db, kSetter, {{"name", "P"}, {"address", "tcp://h:1"}, {"settings", {{"protocol", "xon-xoff"}}}}, 5);
   library::Upload upload(blobs);
   upload.append("%\r\nO0001\r\nM30\r\n%");
   library::add_revision(db, kProgrammer, {"/", "O0001"}, upload.finish(), "", "upload", 5);
@@ -170,7 +201,7 @@ TEST_F(DncTest, WhatIsInTheLibraryAlreadyNeedsNoDecision) {
   EXPECT_EQ(take_apart("", true, settings, port, blobs).reason, "punch_empty");
   auto iso = settings;
   iso.link.code = tape::Code::iso;
-  EXPECT_EQ(take_apart("G0\n", true, iso, port, blobs).reason, "punch_parity");
+  EXPECT_EQ(take_apart("G1\n", true, iso, port, blobs).reason, "punch_parity");
   const auto offsets = take_apart("%\nG10 P1 X0.1 Z0.2 R0 Q0\n%\n", true, settings, port, blobs);
   EXPECT_EQ(offsets.pieces.at(0).row.kind, "tool_offsets");
 }
@@ -189,7 +220,8 @@ TEST_F(DncTest, EndedTransfersStayAsTheyWere) {
   EXPECT_THROW(db::update_port_transfer(db, transfer), db::Error);
 }
 
-library::Restart restart_of(test::TemporaryFolder& folder, const std::string& profile, const std::string& text, std::int64_t line) {
+library::Restart restart_of(test::TemporaryFolder& folder, const std::string& profile,
+                            const std::string& text, std::int64_t line) {
   std::ofstream(folder / "restart.nc", std::ios::binary) << text;
   library::CheckJob job;
   job.file = (folder / "restart.nc").string();
@@ -198,23 +230,41 @@ library::Restart restart_of(test::TemporaryFolder& folder, const std::string& pr
 }
 
 constexpr const char* kMill =
-    "%\nO2001(PLATE)\nG21 G17 G90 G94 G54\nT5 M06\nS2000 M03\nM08\nG00 X10. Y5. Z20.\nG01 Z-1. F1200.\nX20.\nY20.\nG00 Z20.\nM30\n%\n";
+    "%\nO2001(PLATE)\nG21 G17 G90 G94 G54\nT5 M06\nS2000 M03\nM08\nG00 X10. Y5. Z20.\nG01 Z-1. "
+    "F1200.\nX20.\nY20.\nG00 Z20.\nM30\n%\n";
 
 TEST_F(DncTest, ARestartHeaderHoldsWhatTheBlocksBeforeWouldHaveLeft) {
   const auto restart = restart_of(folder, "fanuc-0i-m", kMill, 10);
   ASSERT_EQ(restart.reason, "") << restart.where;
   EXPECT_EQ(restart.offset, std::string(kMill).find("Y20."));
-  for (const char* block : {"%\nO2001(PLATE)\n", "G21", "G54", "G94", "G91 G28 Z0.\nG90\n", "T5 M06\n", "S2000. M03\n", "X20. Y5.", "M00",
-                            "G01 Z-1. F1200.\n", "M08\n"})
+  for (const char* block : {"%\nO2001(PLATE)\n", "G21", "G54", "G94", "G91 G28 Z0.\nG90\n", "T5 M06\n",
+                            "S2000 M03\n", "X20. Y5.", "M00", "G01 Z-1. F1200.\n", "M08\n"})
     EXPECT_NE(restart.header.find(block), std::string::npos) << block << "\n" << restart.header;
   EXPECT_TRUE(restart.header.ends_with("G01\n")) << restart.header;
+}
+
+TEST_F(DncTest, IncrementalProgrammingComesBackBehindTheHeadersOwnMoves) {
+  const auto restart =
+      restart_of(folder, "fanuc-0i-m", "%\nO1\nG90 G00 X5. Y5.\nG91 G01 X1. F100.\nX2.\nX3.\nM30\n%\n", 6);
+  ASSERT_EQ(restart.reason, "") << restart.where;
+  EXPECT_TRUE(restart.header.ends_with("G91\nG01\n")) << restart.header;
+  EXPECT_LT(restart.header.find("\nG90\n"), restart.header.find("X8. Y5.")) << restart.header;
+}
+
+TEST_F(DncTest, ConstantSurfaceSpeedIsNotGuessed) {
+  const auto restart = restart_of(
+      folder, "fanuc-0i-t", "%\nO1\nG50 S2000\nG96 S150 M03\nG00 X50. Z2.\nG01 Z-5. F0.2\nX60.\nM30\n%\n", 7);
+  EXPECT_EQ(restart.reason, "restart_mode");
+  EXPECT_EQ(restart.where, "G96");
 }
 
 TEST_F(DncTest, WhereAHeaderCannotHelpItSaysSo) {
   EXPECT_EQ(restart_of(folder, "fanuc-0i-m", kMill, 99).reason, "restart_not_reached");
   EXPECT_EQ(restart_of(folder, "fanuc-0i-m", kMill, 13).reason, "restart_not_reached");
-  EXPECT_EQ(restart_of(folder, "fanuc-0i-m", "%\nO1\nG01 X1.\nX2.\nM30\n%\n", 4).reason, "restart_alarm") << "no feed";
-  EXPECT_EQ(restart_of(folder, "fanuc-0i-m", "%\nO1\nG00 X1.\nX#100\nM30\n%\n", 4).reason, "restart_variables");
+  EXPECT_EQ(restart_of(folder, "fanuc-0i-m", "%\nO1\nG01 X1.\nX2.\nM30\n%\n", 4).reason, "restart_alarm")
+      << "no feed";
+  EXPECT_EQ(restart_of(folder, "fanuc-0i-m", "%\nO1\nG00 X1.\nX#100\nM30\n%\n", 4).reason,
+            "restart_variables");
   EXPECT_EQ(restart_of(folder, "nothing", kMill, 5).reason, "bad_machine_file");
 }
 
