@@ -350,6 +350,7 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
     }
   };
   bool stuck = false;
+  bool approach_held = false;  // a corner at the end of A → A': where the contour begins would be unknown
   while (!reading.over() && !ex.finished && !stuck) {
     ex.out_used = false;
     stuck = ex.step() == Executor::Step::wait;
@@ -360,7 +361,10 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
     if (ex.out_used) take(made);
     for (const Operation& operation : ex.queue) take(operation);
     ex.queue.clear();
-    if (reading.count() <= 1) profile.approach = profile.segments.size();
+    if (reading.count() <= 1) {
+      profile.approach = profile.segments.size();
+      approach_held = ex.pipeline.holds_corner();
+    }
   }
 
   const bool corner_open = ex.pipeline.holds_corner();
@@ -389,6 +393,7 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   if (stuck || !reading.over())
     return fail(ex, rules, Fault::not_found, 'Q', "N" + std::to_string(range.last));
   if (corner_open) return ex.alarm(interp::AlarmReason::corner_profile_end, 0, "Q");
+  if (approach_held) return fail(ex, rules, Fault::first_block, 'P', "corner in the first block");
   if (wrong_axis) return fail(ex, rules, Fault::wrong_plane, 'P');
   if (profile.segments.empty()) return fail(ex, rules, Fault::not_found, 'P', "no motion");
 

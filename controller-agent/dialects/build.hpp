@@ -32,12 +32,12 @@ void set_alarm_codes(Dialect& dialect, std::string_view otherwise,
 /// What FANUC-like lathes share: M03…M05, M00…M02, M30, M98, M99.
 std::vector<MRule> usual_m_rules();
 
+/// Chamfers, drawing dimensions, radius compensation: data and alarm numbers of the profile (path_rules.cpp).
+void set_path_rules(Dialect& dialect);
 /// The macro language and variables of a dialect, and their alarm numbers. After `tools` and the other alarms.
 void add_fanuc_macros(Dialect& dialect);
 void add_gsk_2000tc_macros(Dialect& dialect);
 void add_gsk_218t_macros(Dialect& dialect);
-/// Chamfers, drawing dimensions, radius compensation: data and alarm numbers of the profile (path_rules.cpp).
-void set_path_rules(Dialect& dialect);
 
 Dialect make_fanuc_0i_t();
 Dialect make_fanuc_0i_m();

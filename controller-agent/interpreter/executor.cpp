@@ -241,16 +241,24 @@ void Executor::reset(const AxisVector& machine_position) {
   cancel_compensation();
   cycle.clear();
   finished = true;
+  clear_modes();
   if (macros != nullptr) {
     load_variables();
     reset_variables();
     flush_changes();
   }
-  clear_modes();
   spindle_direction = SpindleDirection::stop;
   tool_life::leave(*this);
   if (own) own->reset(*this);
   set_position(machine_position);
+}
+
+// A program begins in G40, and RESET leaves it so (0i-D, K2000TC L16153).
+void Executor::cancel_compensation() {
+  pipeline.clear();
+  if (const GCode* cancel = table->find(400); cancel != nullptr && cancel->group != 0) {
+    modal.g[cancel->group] = cancel->tenths;
+  }
 }
 
 void Executor::reset_variables() {
@@ -260,14 +268,6 @@ void Executor::reset_variables() {
   if (!kept) macros->variables.clear_volatile();
   macros->control = modal.macro_control = 0;
   macros->interruption_on_now = false;
-}
-
-// A program begins in G40, and RESET leaves it so (0i-D, K2000TC L16153).
-void Executor::cancel_compensation() {
-  pipeline.clear();
-  if (const GCode* cancel = table->find(400); cancel != nullptr && cancel->group != 0) {
-    modal.g[cancel->group] = cancel->tenths;
-  }
 }
 
 void Executor::set_position(const AxisVector& machine_position) {

@@ -179,7 +179,7 @@ Executor::Step Executor::read_block() {
   }
   const bool statement = read.status == program::LexStatus::statement;
   if (statement && (macros == nullptr || !macros->rules.statements)) {
-    pipeline.block_read();  // a macro statement counts as a block without movement (0i-D M, K2000TC L19782)
+    pipeline.block_read();
     if (own && own->statement(*this, read.statement, read.column) == OwnLanguage::Taken::done) {
       frame.at_start = false;
       return Step::done;
@@ -210,13 +210,13 @@ Executor::Step Executor::read_block() {
   }
   if (!empty || block.has_sequence) frame.at_start = false;
   frame.macro.last = nullptr;
-  if (!empty) pipeline.block_read();
   if (!empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;
   run_block(empty, block.has_sequence, block.sequence);
   return Step::done;
 }
 
 void Executor::run_block(bool empty, bool has_sequence, std::uint32_t sequence) {
+  if (!empty) pipeline.block_read();
   if (cycle.watch != nullptr) {  // a block of a profile
     if (!empty && (!cycle.watch->admit(*this) || !execute())) return;
     if (!finished) cycle.watch->done(*this, has_sequence, sequence);

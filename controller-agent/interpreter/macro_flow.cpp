@@ -145,6 +145,7 @@ Executor::Step Executor::carry_out(CompiledBlock& c) {
 
   Result result;
   if (c.is_statement) {
+    pipeline.block_read();  // counts as a block without movement (0i-D M, K2000TC L19782)
     result = run_statement(c);
   } else if (!c.is_empty) {
     c.block.unpack(block);
@@ -164,6 +165,7 @@ Executor::Step Executor::carry_out(CompiledBlock& c) {
   if (!c.is_empty) pipeline.block_read();
   if (c.is_statement) return Step::done;
   go_on_after(c);
+  if (!c.is_empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;
   run_block(c.is_empty, c.has_sequence, c.sequence);
   return Step::done;
 }

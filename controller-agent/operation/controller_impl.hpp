@@ -138,8 +138,8 @@ struct Controller::Impl {
   Await await = Await::nothing;
   interp::Operation operation;  // pulled, not yet taken up
   bool has_operation = false;
-  bool calculating = false;  // a macro goes on with its calculation as soon as others had the lock
   bool new_block = false;             // the operation taken up begins a block
+  bool calculating = false;  // a macro goes on with its calculation as soon as others had the lock
   interp::SourcePosition last_block;  // of the last operation taken up; line 0: none
   std::shared_ptr<TextWindow> main_window;
   std::uint32_t main_program = 0;
