@@ -130,7 +130,15 @@ bool tool_life_input(Executor& ex) {
   return l == 3 ? tool_life::input(ex) : ex.alarm(AlarmReason::g_unavailable, ex.code_column, "G10");
 }
 
+// G65 P and G66 P are taken before the block's words are looked at (macro_call.cpp). What comes here is a form of
+// G65 that is no call: the pattern screens of G65 H90-H94.
+bool macro_call(Executor& ex) {
+  return ex.alarm(AlarmReason::g_unavailable, ex.code_column, std::string(ex.code->name));
+}
+
 constexpr Named kHandlers[] = {
+    {"macro_call", Phase::action, macro_call},
+    {"macro_cancel", Phase::setting, nullptr},
     {"rapid", Phase::motion, rapid},
     {"feed", Phase::motion, feed},
     {"arc_cw", Phase::motion, arc_cw},

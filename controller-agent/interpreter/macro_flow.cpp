@@ -162,6 +162,7 @@ Executor::Step Executor::carry_out(CompiledBlock& c) {
     if (!finished) alarm(result.fault, c.is_statement ? c.column : at.column);
     return Step::done;
   }
+  if (!c.is_empty) pipeline.block_read();
   if (c.is_statement) return Step::done;
   go_on_after(c);
   if (!c.is_empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;

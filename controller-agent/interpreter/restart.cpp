@@ -46,6 +46,7 @@ Pull Executor::run_through() {
     } else if (!finished && step() == Step::wait) {
       return Pull::wait;
     }
+    if (pipeline.active()) pipeline.take(*this);
     if (out_used) sample(thrown);
     for (const Operation& more : queue) sample(more);
     const bool alarmed = finished && std::holds_alternative<Alarm>(queue.empty() ? thrown : queue.back());

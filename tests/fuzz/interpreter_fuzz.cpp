@@ -1,6 +1,6 @@
 // Any bytes at all through the interpreter: an alarm with line and column or a clean run, never a crash, a
 // hang or unbounded memory. First byte: profile, G-code system and leniency; second byte: how the text
-// arrives.
+// arrives, and whether operations take time.
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -8,6 +8,7 @@
 #include "dialects/dialect.hpp"
 #include "interpreter/interpreter.hpp"
 #include "machine/machine.hpp"
+#include "macro/environment.hpp"
 #include "program/library.hpp"
 
 namespace {
@@ -34,6 +35,13 @@ class Dripping final : public program::Source {
   bool waiting_ = false;
 };
 
+// A machine on which macros wait for a standstill and give way to others.
+class Running final : public macro::Environment {
+ public:
+  bool takes_time() const override { return true; }
+  bool wants_pause() override { return true; }
+};
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
@@ -51,6 +59,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   switches.gcode_system = static_cast<char>('A' + bytes[0] / 6 % 3);
   switches.lenient = (bytes[1] & 0x10) != 0;
   switches.block_skip = bytes[1] & 0x20 ? 0x3fe : 0;
+  switches.most_jumps = 20'000;
+  Running running;
+  if ((bytes[1] & 0x40) != 0) interpreter.set_environment(&running);
   interpreter.set_switches(switches);
   interpreter.start(piece == 0 ? program::source_from_text(text)
                                : std::unique_ptr<program::Source>(std::make_unique<Dripping>(text, piece)),
@@ -59,7 +70,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   for (int i = 0; i < 20'000; ++i) {
     const interp::Pull pull = interpreter.next(operation);
     if (pull == interp::Pull::finished) return 0;
-    if (pull == interp::Pull::wait) continue;
+    if (pull != interp::Pull::operation) continue;
     if (const auto* alarm = std::get_if<interp::Alarm>(&operation); alarm != nullptr && alarm->code.empty())
       std::abort();
   }
