@@ -128,9 +128,9 @@ describe("the pages", () => {
 
   it("fit a tablet without scrolling sideways, in both languages", async () => {
     await page.setViewportSize(sizes.tablet);
-    for (const language of ["en", "zh"]) {
+    for (const language of ["zh", "en"]) {
       await useLanguage(page, language);
-      for (const hash of ["#/floor", "#/machines/1", "#/machines/2", "#/programs", "#/programs/1", "#/programs/1?tab=check", "#/programs/1?tab=send", "#/programs/1?tab=diff", "#/alarms", "#/users", "#/account"]) {
+      for (const hash of ["#/floor", "#/machines/1", "#/machines/2", "#/programs", "#/programs/1", "#/programs/1?tab=check", "#/programs/1?tab=send", "#/programs/1?tab=diff", "#/alarms", "#/dnc", "#/times", "#/users", "#/account"]) {
         await page.goto(`${mock.url}/${hash}`);
         await page.locator("[data-page]").waitFor();
         const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
@@ -138,6 +138,12 @@ describe("the pages", () => {
         const overlap = await page.evaluate(() => { const nav = document.querySelector(".header nav a:last-child").getBoundingClientRect(); return nav.right - document.querySelector(".header-end").getBoundingClientRect().left; });
         assert.ok(overlap <= 0, `the header of ${hash} in ${language} overlaps by ${overlap} px`);
       }
+    }
+    // Between a tablet and a desk the header gives way step by step.
+    for (const width of [768, 901, 1024, 1261]) {
+      await page.setViewportSize({ width, height: 800 });
+      const overlap = await page.evaluate(() => { const nav = document.querySelector(".header nav a:last-child").getBoundingClientRect(); return nav.right - document.querySelector(".header-end").getBoundingClientRect().left; });
+      assert.ok(overlap <= 0, `the header overlaps by ${overlap} px at ${width} px`);
     }
     await page.setViewportSize(sizes.desktop);
   });
