@@ -28,6 +28,16 @@ Turn turn_between(const Segment& a, const Segment& b, double r) {
   return turn;
 }
 
+// Around the corner on a circle.
+Vectors around(Point n1, Point n2, const Turn& turn) {
+  Vectors v;
+  v.add(n1);
+  v.add(n2);
+  v.circular = true;
+  v.turn = turn.angle > 0 ? 1 : -1;
+  return v;
+}
+
 // Where the two lines beside the corner cross, as a vector from the corner.
 Point crossing(Point n1, Point n2, double r) {
   return (n1 + n2) * (r * r / (r * r + dot(n1, n2)));
@@ -95,13 +105,7 @@ Vectors corner(const Segment& a, const Segment& b, double r, const OffsetRules& 
     }
     return v;
   }
-  if (rules.circular_outside) {
-    v.add(n1);
-    v.add(n2);
-    v.circular = true;
-    v.turn = turn.angle > 0 ? 1 : -1;
-    return v;
-  }
+  if (rules.circular_outside) return around(n1, n2, turn);
   const double size = std::fabs(r);
   if (a.arc) v.add(n1);
   if (turn.workpiece >= 90 * kDegree - 1e-9) {
@@ -120,13 +124,7 @@ Vectors start_up(const Segment& a, const Segment& b, double r, const OffsetRules
   if (rules.start == StartType::a || turn.inside || turn.workpiece <= 1 * kDegree) return single(n2);
   const double size = std::fabs(r);
   Vectors v;
-  if (rules.circular_outside) {
-    v.add(n1);
-    v.add(n2);
-    v.circular = true;
-    v.turn = turn.angle > 0 ? 1 : -1;
-    return v;
-  }
+  if (rules.circular_outside) return around(n1, n2, turn);
   if (turn.workpiece >= 90 * kDegree - 1e-9) {
     if (rules.start_by_normal) v.add(n1);
     v.add(crossing(n1, n2, r));

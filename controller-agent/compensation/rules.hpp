@@ -40,20 +40,17 @@ struct CompensationRules {
   std::string_view off_parameter;     ///< bit: the machine does not have it
   std::string_view enable_parameter;  ///< bit that must not be 0; absent counts as 1
   std::string_view type_b_parameter;  ///< bit: start-up and cancel by type B
-  std::string_view type_c_parameter;  ///< bit: a start-up or cancel without move shifts the tool
   StartType start = StartType::a;
   bool start_by_normal = false;           ///< see OffsetRules
   std::string_view circular_parameter;    ///< bit: circles at outside corners
   std::string_view diameter_parameter;    ///< bit: the offset value is a diameter
   std::string_view read_ahead_parameter;  ///< blocks read ahead, 3…8
   std::string_view near_parameter;        ///< vectors nearer than this [mm] count once
-  std::string_view avoid_parameter;       ///< bit: interference changes the path instead of an alarm
   std::string_view check_parameter;       ///< bit: 0 switches the interference check off; absent counts as 1
   bool tips_in_all_planes = true;         ///< otherwise the nose direction counts in G18 only
   bool zero_number_is_alarm = false;      ///< G41 with offset number 0
   bool again_is_perpendicular = false;    ///< the same G41/G42 again: the vector normal to the block before
   bool side_change_after_start_is_alarm = false;
-  bool calls_refused = false;    ///< M98/M99 need G40
   bool threads_refused = false;  ///< G32… while compensating; otherwise the vector is dropped for them
   bool keeps_to_intermediate = false;  ///< G28: the vector is dropped after the intermediate point
   int most_quiet_blocks = 0;           ///< so many blocks without motion in a row are an alarm; 0: never

@@ -114,7 +114,6 @@ std::vector<PathRules> make_table() {
     r.corner_words = letters("IJKRCA");
     r.compensation.off_parameter = "8136#7";  // NCR
     r.compensation.type_b_parameter = "5003#0";
-    r.compensation.type_c_parameter = "5003#1";
     r.compensation.start_by_normal = true;
     r.compensation.circular_parameter = "19607#2";
     r.compensation.read_ahead_parameter = "19625";
@@ -147,7 +146,6 @@ std::vector<PathRules> make_table() {
     r.compensation.type_b_parameter = "S172.3";
     r.compensation.check_parameter = "S207.0";
     r.compensation.tips_in_all_planes = false;
-    r.compensation.calls_refused = true;
     r.compensation.threads_refused = true;
     r.codes = {&kGskCodes, &kGsk2000tcCodes};
     table.push_back(r);
@@ -158,7 +156,6 @@ std::vector<PathRules> make_table() {
     r.compensation.enable_parameter = "002.3";  // CCMP
     r.compensation.zero_number_is_alarm = true;
     r.compensation.side_change_after_start_is_alarm = true;
-    r.compensation.calls_refused = true;
     r.compensation.most_quiet_blocks = 30;
     r.codes = {&kGskCodes, &kGsk218tCodes};
     table.push_back(r);
@@ -179,7 +176,6 @@ std::vector<PathRules> make_table() {
     r.compensation.start = comp::StartType::b;
     r.compensation.near_parameter = "P3210";
     r.compensation.again_is_perpendicular = true;
-    r.compensation.calls_refused = true;
     r.codes = {&kK2000Codes};
     table.push_back(r);
   }

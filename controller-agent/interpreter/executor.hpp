@@ -118,6 +118,8 @@ struct Executor {
   Step step();
   Step read_block();
   Step search_block();
+  /// A reader a program left behind, or a new one: calls in a loop allocate nothing.
+  std::unique_ptr<program::BlockReader> take_reader(std::unique_ptr<program::Source> source);
   /// Of a program on the stack; opened when it is first needed. nullptr after an alarm.
   program::BlockReader* reader_of(Frame& frame);
   /// Before anybody reads on by himself: the reader stands behind the block being carried out.

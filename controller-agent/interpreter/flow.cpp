@@ -43,6 +43,16 @@ AlarmReason reason_of(program::LexError error) {
 
 }  // namespace
 
+// A reader that a program left behind, or a new one: calls in a loop allocate nothing.
+std::unique_ptr<program::BlockReader> Executor::take_reader(std::unique_ptr<program::Source> source) {
+  if (spare_readers.empty())
+    return std::make_unique<program::BlockReader>(std::move(source), dialect.longest_block);
+  auto reader = std::move(spare_readers.back());
+  spare_readers.pop_back();
+  reader->restart(std::move(source));
+  return reader;
+}
+
 program::BlockReader* Executor::reader_of(Frame& frame) {
   if (frame.reader != nullptr) return frame.reader.get();
   auto source = programs == nullptr    ? nullptr
@@ -52,13 +62,7 @@ program::BlockReader* Executor::reader_of(Frame& frame) {
     alarm(AlarmReason::program_not_found, 0, "O" + std::to_string(frame.number));
     return nullptr;
   }
-  if (spare_readers.empty()) {
-    frame.reader = std::make_unique<program::BlockReader>(std::move(source), dialect.longest_block);
-  } else {
-    frame.reader = std::move(spare_readers.back());
-    spare_readers.pop_back();
-    frame.reader->restart(std::move(source));
-  }
+  frame.reader = take_reader(std::move(source));
   return frame.reader.get();
 }
 
@@ -344,15 +348,7 @@ bool Executor::jump_to_sequence(std::int64_t sequence, std::uint32_t column) {
 Frame& Executor::push_program(std::unique_ptr<program::Source> source, std::uint32_t number,
                               std::int64_t times) {
   Frame frame;
-  if (source != nullptr) {
-    if (spare_readers.empty()) {
-      frame.reader = std::make_unique<program::BlockReader>(std::move(source), dialect.longest_block);
-    } else {
-      frame.reader = std::move(spare_readers.back());
-      spare_readers.pop_back();
-      frame.reader->restart(std::move(source));
-    }
-  }
+  if (source != nullptr) frame.reader = take_reader(std::move(source));
   frame.number = number;
   frame.repeats_left = times - 1;
   frame.macro.kind = frames.empty() ? CallKind::main : CallKind::sub;

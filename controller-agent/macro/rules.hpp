@@ -31,7 +31,6 @@ struct Rules {
   bool retained_start_at_zero = false;  ///< on a new machine; otherwise <null>
   std::string_view keep_volatile_parameter;  ///< bit: #100… survive reset ("6001#6")
   std::string_view clear_volatile_parameter;  ///< bit: they do not survive ("S173.0"); empty: always cleared
-  std::string_view clear_locals_parameter;    ///< bit: reset clears the locals; empty: always
   std::string_view protect_first = {}, protect_last = {};  ///< parameters: write-protected commons
 
   // ---- expressions
@@ -45,7 +44,6 @@ struct Rules {
   // ---- statements
   int most_loops = 3;                ///< DO numbers 1…, and their nesting
   std::uint32_t most_goto = 99'999;  ///< GOTO targets
-  bool dnc_control = false;          ///< GOTO and loops may stand in a program that cannot be searched
 
   // ---- #3000
   std::string_view alarm_prefix = "MC";
@@ -76,7 +74,6 @@ struct Rules {
   std::string_view nested_codes_parameter;  ///< bit: codes call inside code calls too ("6008#6")
   std::string_view external_m_parameter;    ///< M code of the external call ("6030"); 0: 198
   bool external_call = false;               ///< M198
-  std::string_view sequence_call_parameter;  ///< bit: M98 P Q starts at N Q ("6005#0")
   bool interruption = false;                 ///< M96 P, M97
   std::string_view interruption_codes_parameter, interruption_on_parameter, interruption_off_parameter;
   std::string_view interruption_same_locals_parameter;

@@ -8,6 +8,7 @@ import { root } from "./paths.mjs";
 
 const dist = process.env.HEADSTOCK_WEB_DIST ?? join(root, "build/release/web/app/dist");
 let browser, page, mock;
+const headerOverlap = () => page.evaluate(() => document.querySelector(".header nav a:last-child").getBoundingClientRect().right - document.querySelector(".header-end").getBoundingClientRect().left);
 
 describe("the pages", () => {
   before(async () => {
@@ -135,14 +136,14 @@ describe("the pages", () => {
         await page.locator("[data-page]").waitFor();
         const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
         assert.ok(wide <= 0, `${hash} in ${language} is ${wide} px too wide`);
-        const overlap = await page.evaluate(() => { const nav = document.querySelector(".header nav a:last-child").getBoundingClientRect(); return nav.right - document.querySelector(".header-end").getBoundingClientRect().left; });
+        const overlap = await headerOverlap();
         assert.ok(overlap <= 0, `the header of ${hash} in ${language} overlaps by ${overlap} px`);
       }
     }
     // Between a tablet and a desk the header gives way step by step.
     for (const width of [768, 901, 1024, 1261]) {
       await page.setViewportSize({ width, height: 800 });
-      const overlap = await page.evaluate(() => { const nav = document.querySelector(".header nav a:last-child").getBoundingClientRect(); return nav.right - document.querySelector(".header-end").getBoundingClientRect().left; });
+      const overlap = await headerOverlap();
       assert.ok(overlap <= 0, `the header overlaps by ${overlap} px at ${width} px`);
     }
     await page.setViewportSize(sizes.desktop);

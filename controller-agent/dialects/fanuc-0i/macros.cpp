@@ -41,7 +41,6 @@ macro::Rules make_rules(bool lathe) {
   r.nested_codes_parameter = "6008#6";
   r.external_call = true;
   r.external_m_parameter = "6030";
-  r.sequence_call_parameter = "6005#0";
   r.interruption = true;
   r.interruption_codes_parameter = "6003#4";
   r.interruption_on_parameter = "6033";
