@@ -121,6 +121,7 @@ enum class AlarmReason : std::uint8_t {
   macro_print_form,      ///< DPRNT, BPRNT
   external_not_found,    ///< M198: no such file
   external_twice,        ///< M198 in a program called by M198
+  external_in_dnc,       ///< M198 while the main program is fed from outside
   endless_loop,  ///< jumps without end and without motion: ours, controllers just hang
   // ---- chamfers, corner rounds, drawing dimensions
   corner_words,         ///< more than one of I J K R, or chamfer and round together

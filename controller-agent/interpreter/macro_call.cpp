@@ -408,6 +408,9 @@ bool Executor::take_calls(bool& taken) {
 
 bool Executor::call_external(std::uint32_t column) {
   if (frames.back().macro.external) return alarm(AlarmReason::external_twice, column, "M198");
+  // What is fed from outside cannot call to the outside (0i-D L29963).
+  if (frames.front().reader != nullptr && !frames.front().reader->can_seek())
+    return alarm(AlarmReason::external_in_dnc, column, "M198");
   if (sub_call != nullptr) return alarm(AlarmReason::sub_call_twice, column, "M198");
   if (!block.has('P')) return alarm(AlarmReason::call_without_p, column, "M198");
   const std::int64_t number = whole('P', AlarmReason::call_without_p);

@@ -45,6 +45,7 @@ struct Selection {
   std::shared_ptr<program::Programs> memory;
   std::unique_ptr<program::Source> stream;  // drip-feed; taken at cycle start
   bool is_stream = false;
+  std::function<std::string()> why_broken;  // of the stream; see input_alarm.hpp
   std::uint64_t bytes = 0;
   bool unseen = false;  // chosen over the network, nobody at the machine has seen it
 };
@@ -90,6 +91,7 @@ struct Controller::Impl {
   void stop_with(const MachineAlarm& alarm, const interp::SourcePosition& at, std::string detail);
   std::optional<MachineAlarm> before_motion(const interp::Operation& taken);
   void skip_over();
+  MachineAlarm broken_input() const;
 
   // ---- report.cpp: alarms, events, live
   void raise(const std::string& code, const std::string& detail, const interp::SourcePosition& at,
@@ -112,6 +114,7 @@ struct Controller::Impl {
   interp::Interpreter interpreter;
   MotionFeed feed;
   std::function<void(const interp::Operation&)> observer;
+  std::function<void()> wake_storage;
 
   std::mutex lock;
   std::atomic<int> waiting{0};  // threads that want the lock from the look-ahead

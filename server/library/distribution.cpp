@@ -15,6 +15,7 @@
 #include "server/access/audit.hpp"
 #include "server/library/checks.hpp"
 #include "server/library/programs.hpp"
+#include "server/library/request.hpp"
 
 namespace headstock::library {
 
@@ -313,6 +314,21 @@ asio::awaitable<db::TransferRow> Distributor::drip(Actor actor, std::int64_t mac
   if (const db::TransferRow* now = impl->find_open(row.id)) row = *now;
   if (impl->changed) impl->changed(row);
   co_return row;
+}
+
+asio::awaitable<server::MachineAnswer> Distributor::requested(std::int64_t machine, std::string name) {
+  const auto look = [name](db::Database& db) { return find_requested(db, name); };
+  const RequestedProgram found = co_await impl_->store.run(look);
+  if (!found.reason.empty()) co_return server::MachineAnswer{false, found.reason};
+  Actor actor;
+  actor.user = std::string("machine:").append(std::to_string(machine));
+  actor.role = access::Role::operator_;
+  try {
+    co_await drip(actor, machine, found.program, found.revision);
+  } catch (const db::Refusal& refusal) {
+    co_return server::MachineAnswer{false, std::string(refusal.code())};
+  }
+  co_return server::MachineAnswer{true, ""};
 }
 
 asio::awaitable<db::TransferRow> Distributor::cancel(Actor actor, std::int64_t transfer) {

@@ -84,6 +84,7 @@ class SimulatedMachine final : public link::LinkHost {
                                        std::unique_ptr<program::Source>, std::uint64_t) override {
     return {false, "simulated"};
   }
+  void request_answered(const std::string&, const operation::CommandResult&) override {}
   void link_up(const link::ServerSettings&) override {}
   void link_lost(const std::string&) override {}
 

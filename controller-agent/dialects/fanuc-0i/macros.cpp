@@ -198,7 +198,8 @@ void add_fanuc_macros(Dialect& d) {
            {R::macro_name_long, "PS1097"},     {R::macro_subscript, "PS1099"},
            {R::macro_names_form, "PS1139"},    {R::macro_name_character, "PS1141"},
            {R::macro_set_name_long, "PS1142"}, {R::macro_print_form, "PS1143"},
-           {R::external_not_found, "PS1079"},  {R::external_twice, "PS1080"}}) {
+           {R::external_not_found, "PS1079"},  {R::external_twice, "PS1080"},
+           {R::external_in_dnc, "PS0210"}}) {
     d.set_alarm_code(reason, code);
   }
 }
