@@ -24,7 +24,7 @@
 #include "link/live_json.hpp"
 #include "link/program_memory.hpp"
 #include "link/spool.hpp"
-#include "tests/unit/link/temporary_folder.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace {
 

@@ -26,7 +26,7 @@
 #include "protocol/wire/certificates.hpp"
 #include "protocol/wire/digest.hpp"
 #include "server/gateway/gateway.hpp"
-#include "tests/unit/link/temporary_folder.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace headstock::testing_support {
 
