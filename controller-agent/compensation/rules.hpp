@@ -38,6 +38,7 @@ struct CornerRules {
 struct CompensationRules {
   bool by_d = false;                  ///< the offset number is D (mill); otherwise that of the T word
   std::string_view off_parameter;     ///< bit: the machine does not have it
+  std::string_view mdi_alarm_parameter = {};  ///< bit: G41 and G42 are an alarm in MDI ("5008#4")
   std::string_view enable_parameter;  ///< bit that must not be 0; absent counts as 1
   std::string_view type_b_parameter;  ///< bit: start-up and cancel by type B
   StartType start = StartType::a;

@@ -113,6 +113,7 @@ std::vector<PathRules> make_table() {
     r.corners.perpendicular_words = true;
     r.corner_words = letters("IJKRCA");
     r.compensation.off_parameter = "8136#7";  // NCR
+    r.compensation.mdi_alarm_parameter = "5008#4";  // MCR
     r.compensation.type_b_parameter = "5003#0";
     r.compensation.start_by_normal = true;
     r.compensation.circular_parameter = "19607#2";

@@ -35,6 +35,8 @@ void remove_code(std::array<program::Code, N>& codes, std::uint8_t& count, std::
 
 Result Executor::fill_computed(const CompiledBlock& compiled) {
   std::size_t g_removed = 0, m_removed = 0;
+  macros->filled = &compiled.expressions;
+  const bool h_block = is_h_block();
   for (std::size_t i = 0; i < block.computed_count; ++i) {
     const program::ComputedWord& word = block.computed[i];
     const bool is_code = word.letter == 'G' || word.letter == 'M';
@@ -59,6 +61,11 @@ Result Executor::fill_computed(const CompiledBlock& compiled) {
                                  : word.place == 0 ? block.word[letter].column
                                                    : block.earlier[word.place - 1u].word.column;
     at.column = column;
+    if (result.status == macro::Status::fault && h_block && word.letter == 'P') {
+      macros->computed[i] = macro::kNull;  // P names the variable; it may be one that can only be written
+      forget(block, word);
+      continue;
+    }
     if (!result.ok()) return result;
     macros->computed[i] = value;
     if (macro::is_null(value)) {  // the address counts as not written (L13573)

@@ -243,7 +243,8 @@ bool Language::check_words(Executor& ex) {
     const std::int32_t code = b.g[i].tenths;
     keeps_fast_feed = keeps_fast_feed || code == kDwell || code == kFastMove;
     for (const std::int32_t machine_code : kMachineCodes) {
-      if (code == machine_code && (hypothetical != 0 || thread.on))
+      if (code == machine_code && (hypothetical != 0 || thread.on ||
+                                   (code >= 530 && ex.surface.now.kind != interp::SurfaceKind::none)))
         return raise(ex, "PS0049", b.g[i].column, std::string("G") + std::to_string(code / 10));
     }
   }
@@ -301,6 +302,10 @@ bool Language::m_code(Executor& ex, const program::Code& code) {
     sent.modal = ex.modal;
     sent.code = number;
     return true;
+  }
+  if (number == 96 || number == 97) {
+    const bool on = number == 96 && ex.switches.origin != interp::ProgramOrigin::dnc;  // not in DNC (L20800)
+    return ex.allow_interruption(code, on);
   }
   // M91…M94 Pn: jump when M91I or M93I is 0 or 1 (L8665).
   if (!ex.block.has('P'))

@@ -73,6 +73,20 @@ std::size_t acceleration_word(std::string_view text, std::size_t from) {
   return std::string_view::npos;
 }
 
+// Signals, positions, clocks, and numbers that are only known when they are worked out; M91…M94.
+bool looks_at_machine(const Frame& frame) {
+  const char* end = frame.line.text.data() + frame.line.text.size();
+  for (const char* at = frame.rest; at + 1 < end; ++at) {
+    const char c = upper(*at);
+    if (c == 'M' && end - at > 2 && at[1] == '9' && at[2] >= '1' && at[2] <= '4') return true;
+    if (c != '#') continue;
+    int digits = 0;
+    while (at + 1 + digits < end && is_digit(at[1 + digits])) ++digits;
+    if (digits == 0 || digits == 4) return true;
+  }
+  return false;
+}
+
 bool has_acceleration_words(std::string_view text) {
   return acceleration_word(text, 0) != std::string_view::npos &&
          text.find_first_of("\"(") == std::string_view::npos;
@@ -477,6 +491,11 @@ interp::OwnLanguage::Taken Language::take_text(Executor& ex, Frame& frame) {
     blank_acceleration_words(here.text);
     frame.line.text = here.text;
     frame.rest = here.text.data();
+  }
+  if (ex.environment->takes_time() && !ex.at_standstill && frame.wanted_sequence < 0 && here.skip_to_end < 0 &&
+      looks_at_machine(frame)) {  // read when it is true
+    ex.hold_look_ahead();
+    return Taken::done;
   }
   if (frame.wanted_sequence >= 0 && search_block(ex, frame) == Taken::done) return Taken::done;
   if (frame.wanted_sequence >= 0) return Taken::plain;  // the end of the text
