@@ -28,6 +28,7 @@ constexpr OwnHandler kOwn[] = {
     {"modify_parameters", Phase::action, modify_parameters},
     {"hypothetical_axis", Phase::action, hypothetical_axis},
     {"spindle_thread", Phase::action, spindle_thread},
+    {"spindle_thread_cycle", Phase::motion, spindle_thread_cycle},
     {"cylinder_k2000", Phase::action, cylinder},
     {"polar_interpolation_on_k2000", Phase::action, polar_interpolation_on},
     {"polar_interpolation_off_k2000", Phase::setting, polar_interpolation_off},

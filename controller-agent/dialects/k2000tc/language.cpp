@@ -269,6 +269,11 @@ bool Language::check_words(Executor& ex) {
                         std::string(1, static_cast<char>('A' + static_cast<int>(letter))));
     }
   }
+  for (std::size_t i = 0; i < b.g_count; ++i) {
+    const bool cycle = b.g[i].tenths == 781 || b.g[i].tenths == 1'780;
+    if (cycle) thread_words = {};
+    if (cycle && (b.words & ex.axis_letters) == 0 && !take_spindle_thread_words(ex)) return false;
+  }
   if (b.marked == 0) return true;
   const std::int32_t motion = ex.motion_code == nullptr ? 0 : ex.motion_code->tenths;
   std::int32_t in_force = motion;
