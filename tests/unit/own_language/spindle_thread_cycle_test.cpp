@@ -44,10 +44,12 @@ TEST(SpindleThreadCycle, ArcsLeadOntoTheThreadAndTheSpindleFollowsZ) {
   for (const Feed& feed : feeds) {
     const double x = feed.end_machine[0], z = feed.end_machine[1];
     EXPECT_NEAR(feed.end_machine[2], 90 + 72 * (z - 100), 1e-4);  // 360 degrees every 5 mm
-    if (z > 97 + 1e-6 && &feed != &feeds.front())
+    if (z > 97 + 1e-6 && &feed != &feeds.front()) {
       EXPECT_NEAR(std::hypot(z - 97, x - 18), 3, 1e-6) << z;  // about (97, 18): onto the thread at Z97
-    if (z < 22 - 1e-6 && &feed != &feeds.back())
+    }
+    if (z < 22 - 1e-6 && &feed != &feeds.back()) {
       EXPECT_NEAR(std::hypot(z - 22, x - 17), 2, 1e-6) << z;
+    }
     if (std::fabs(z - 22) < 1e-6 && std::fabs(x - 15) < 1e-6) cut = true;
   }
   EXPECT_TRUE(cut);
