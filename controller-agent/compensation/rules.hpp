@@ -16,6 +16,7 @@ struct CornerRules {
   std::uint32_t comma_letters = 0;    ///< `,C` `,R` `,A` that exist here; see program::letters
   std::uint32_t named_letters = 0;    ///< `NC` `NR` `NA`
   std::string_view enable_parameter;  ///< bit that must not be 0; absent counts as 1
+  std::string_view angle_parameter;   ///< bit: angles likewise
   std::string_view comma_parameter;   ///< bit: commas are understood only when it is 1
   /// Bit: C R A are written without a comma, and a comma is an alarm (0i-T CCR). I J K R are no corners then.
   std::string_view bare_parameter;

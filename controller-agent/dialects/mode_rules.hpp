@@ -97,6 +97,8 @@ struct ModeRules {
   bool dwell_p_scales = false;                     ///< P of G04 counts in the increment system
   std::string_view dwell_ms_parameter;             ///< bit: after all in 0.001 s
 
+  std::string_view rotary_linear_parameter;  ///< bit an axis: a rotary axis that runs on, never rounded to a turn
+
   // ---- units
   std::string_view inch_parameter;      ///< bit, a setting: inch input
   std::string_view x_radius_parameter;  ///< bit: X is written as a radius

@@ -168,6 +168,7 @@ std::vector<PathRules> make_table() {
     r.corners.comma_parameter = "P2500.2";  // CENCW
     r.corners.named_letters = letters("ACR");
     r.corners.enable_parameter = "P0003.3";  // CCR
+    r.corners.angle_parameter = "P0003.7";   // ANGPM
     r.corners.chamfer_ijk_parameter = "P2501.0";
     r.corners.round_r_parameter = "P2501.1";
     r.corners.arcs = true;

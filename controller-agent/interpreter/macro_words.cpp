@@ -43,19 +43,19 @@ Result Executor::fill_computed(const CompiledBlock& compiled) {
     const auto letter = program::letter_index(word.letter);
     const std::uint32_t bit = program::letter_bit(word.letter);
     // Least increments a unit: what the value, and ROUND in its expression, is rounded to.
-    double steps = 1;
+    double per_unit = 1;
     if (is_code) {
-      steps = 10;
+      per_unit = 10;
     } else if (axis_of[letter] >= 0 && !word.marked) {
-      steps = kNanoScale / static_cast<double>(axes[static_cast<std::size_t>(axis_of[letter])].increment);
+      per_unit = kNanoScale / static_cast<double>(axes[static_cast<std::size_t>(axis_of[letter])].increment);
     } else if (word.letter == 'F' || word.letter == 'E') {
-      steps = 1e6;
+      per_unit = 1e6;
     } else if ((may_point & bit) != 0 || word.marked) {
-      steps = kNanoScale / static_cast<double>(linear_increment);
+      per_unit = kNanoScale / static_cast<double>(linear_increment);
     }
     double value = 0;
     const Result result =
-        macro::evaluate(compiled.expressions[word.expression], macros->variables, is_code ? 1 : steps, value);
+        macro::evaluate(compiled.expressions[word.expression], macros->variables, is_code ? 1 : per_unit, value);
     const std::uint32_t column = is_code           ? 0
                                  : word.marked     ? block.marked_word[letter].column
                                  : word.place == 0 ? block.word[letter].column
@@ -88,8 +88,8 @@ Result Executor::fill_computed(const CompiledBlock& compiled) {
     program::Word& into = word.marked       ? block.marked_word[letter]
                           : word.place == 0 ? block.word[letter]
                                             : block.earlier[word.place - 1u].word;
-    const std::int64_t rounded = nearest_step(value, steps);
-    into.digits = rounded * static_cast<std::int64_t>(kNanoScale / steps);
+    const std::int64_t rounded = nearest_step(value, per_unit);
+    into.digits = rounded * static_cast<std::int64_t>(kNanoScale / per_unit);
     into.decimals = program::kNanoDecimals;
     into.point = true;
     const bool negative = rounded < 0;

@@ -82,7 +82,8 @@ void Executor::take_parameters() {
     axis.on_circle = axis.rotary && set(rules.imaginary_circle_parameter).value_or(false);
     axis.circle_mm = data.parameter(std::string(rules.imaginary_radius_parameter) + '/' + axis.name);
     any_on_circle = any_on_circle || axis.on_circle;
-    axis.rolls_over = axis.rotary && set(rules.roll_over_parameter).value_or(false);
+    axis.rolls_over = axis.rotary && set(rules.roll_over_parameter).value_or(false) &&
+                      !set(rules.rotary_linear_parameter).value_or(false);
     axis.by_sign = set(rules.roll_over_by_sign_parameter).value_or(false);
     any_rolls_over = any_rolls_over || axis.rolls_over;
     if (axis.rolls_over)

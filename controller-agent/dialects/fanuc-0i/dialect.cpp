@@ -49,6 +49,7 @@ void set_common_modes(ModeRules& modes) {
   modes.skip_override_parameter = "6200#7";
   modes.skip_off_parameter = "6201#7";
   modes.inch_parameter = "0000#2";
+  modes.rotary_linear_parameter = "1006#1";
   modes.mdi_form_parameter = "3401#4";
   modes.mdi_absolute_parameter = "3401#5";
   modes.scale_enable_parameter = "5401#0";
