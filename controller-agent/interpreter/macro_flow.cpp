@@ -295,8 +295,8 @@ Result Executor::go_to_sequence(CompiledBlock& c) {
   if (!(value >= 1 && value <= macros->rules.most_goto)) return Result::failed(AlarmReason::macro_goto_range);
   const auto sequence = static_cast<std::uint32_t>(value);
   Frame& frame = frames.back();
-  if (frames.size() == 1 && switches.origin == ProgramOrigin::mdi)
-    return Result::failed(AlarmReason::mdi_jump);
+  if (frames.size() == 1 && switches.origin != ProgramOrigin::memory)
+    return Result::failed(switches.origin == ProgramOrigin::mdi ? AlarmReason::mdi_jump : AlarmReason::macro_dnc);
   if (frame.macro.passed != nullptr) {
     if (const BlockPlace* place = frame.macro.passed->find(sequence)) {
       const BlockPlace there = *place;
@@ -326,8 +326,8 @@ Result Executor::go_to_sequence(CompiledBlock& c) {
 Result Executor::begin_loop(CompiledBlock& c) {
   MacroFrame& macro = frames.back().macro;
   const bool inside = !macro.loops.empty() && macro.loops.back().begin == &c;
-  if (frames.size() == 1 && switches.origin == ProgramOrigin::mdi)
-    return Result::failed(AlarmReason::mdi_jump);
+  if (frames.size() == 1 && switches.origin != ProgramOrigin::memory)
+    return Result::failed(switches.origin == ProgramOrigin::mdi ? AlarmReason::mdi_jump : AlarmReason::macro_dnc);
   if (!c.loop_known) {
     const Result result = find_loop_end(c);
     if (!result.ok()) return result;
