@@ -72,9 +72,12 @@ link::RetainedValue data_value(const interp::MachineData& data, const machine::M
   for (const auto& [number, value] : data.common_variables) {
     if (number >= kFirstRetained) variables[std::to_string(number)] = value;
   }
+  json names = json::object();
+  for (const auto& [number, name] : data.variable_names) names[std::to_string(number)] = name;
   const json value = {{"offsets", json::parse(interp::offsets_to_json(data, axis_names(machine)))},
                       {"parameters", data.parameters},
                       {"variables", std::move(variables)},
+                      {"variable_names", std::move(names)},
                       {"version", data.version}};
   return {kData, value.dump()};
 }
@@ -90,6 +93,9 @@ interp::MachineData read_data(const link::Spool& spool, const machine::Machine& 
   for (const auto& [number, number_value] : value.at("variables").items()) {
     data.common_variables[static_cast<std::uint32_t>(std::stoul(number))] = number_value.get<double>();
   }
+  const json names = value.value("variable_names", json::object());
+  for (const auto& [number, name] : names.items())
+    data.variable_names[static_cast<std::uint32_t>(std::stoul(number))] = name.get<std::string>();
   data.version = value.value("version", std::uint64_t{0});
   return data;
 }

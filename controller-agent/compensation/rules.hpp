@@ -16,6 +16,7 @@ struct CornerRules {
   std::uint32_t comma_letters = 0;    ///< `,C` `,R` `,A` that exist here; see program::letters
   std::uint32_t named_letters = 0;    ///< `NC` `NR` `NA`
   std::string_view enable_parameter;  ///< bit that must not be 0; absent counts as 1
+  std::string_view angle_parameter;   ///< bit: angles likewise
   std::string_view comma_parameter;   ///< bit: commas are understood only when it is 1
   /// Bit: C R A are written without a comma, and a comma is an alarm (0i-T CCR). I J K R are no corners then.
   std::string_view bare_parameter;
@@ -38,6 +39,7 @@ struct CornerRules {
 struct CompensationRules {
   bool by_d = false;                  ///< the offset number is D (mill); otherwise that of the T word
   std::string_view off_parameter;     ///< bit: the machine does not have it
+  std::string_view mdi_alarm_parameter = {};  ///< bit: G41 and G42 are an alarm in MDI ("5008#4")
   std::string_view enable_parameter;  ///< bit that must not be 0; absent counts as 1
   std::string_view type_b_parameter;  ///< bit: start-up and cancel by type B
   StartType start = StartType::a;

@@ -194,6 +194,22 @@ enum class AlarmReason : std::uint8_t {
   m_combination,           ///< M codes that must stand alone: as too_many_m
   position_overflow,       ///< a position beyond what the control can count: as value_range
   arc_increments,          ///< axes of the plane with different increment systems: as arc_plane
+  too_many_words,       ///< in a block: as too_many_m
+  macro_word_unknown,   ///< a word of letters that is no statement: as macro_syntax
+  call_in_hole_cycle,   ///< M98 with other words while a hole cycle is in force: as macro_with_words
+  // ---- G65 H
+  h_code,     ///< no such operation: as value_range
+  h_target,   ///< P is no variable: as value_range
+  h_operand,  ///< Q or R is not what the operation takes: as value_range
+  // ---- where a program comes from
+  mdi_jump,          ///< GOTO, WHILE in MDI: as macro_dnc
+  mdi_compensation,  ///< G41, G42 in MDI: as compensation_refused
+  mdi_cycle,         ///< a cycle with a profile in MDI: as stand_alone
+  external_in_mdi,   ///< M198: as external_not_found
+  external_in_dnc,   ///< M198 in a program that comes over a line: as external_not_found
+  // ---- interruption macros
+  interrupted_transform,  ///< G51.1, G51, G68 in a program that broke into one of them: as g_not_now
+  interrupted_cycle,  ///< the signal inside a cycle with a profile: as g_not_now
   count_                   // number of reasons
 };
 

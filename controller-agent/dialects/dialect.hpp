@@ -11,6 +11,8 @@
 
 #include "compensation/rules.hpp"
 #include "dialects/alarm_reason.hpp"
+#include "dialects/interruption_rules.hpp"
+#include "dialects/look_ahead_rules.hpp"
 #include "dialects/mode_rules.hpp"
 #include "dialects/tool_life_rules.hpp"
 #include "interpreter/own_language.hpp"
@@ -187,6 +189,10 @@ struct Dialect {
   std::string_view compensated_cycle = "G70";  ///< the cycle whose moves are compensated; others drop the vector
   ModeRules modes;
   ToolLifeRules life;
+  LookAheadRules look_ahead;
+  InterruptionRules interruption;
+  std::string_view part_count_m_parameter;  ///< M code that counts a part ("6710")
+  std::string_view rigid_m_parameter;       ///< M code of rigid tapping beside M29 ("5210")
   Repeated repeated_words = Repeated::last_wins;
   std::string_view repeated_alarm_parameter;  ///< bit: alarm after all
   std::uint32_t may_repeat = 0;               ///< letters that may repeat in spite of `alarm`

@@ -113,6 +113,7 @@ std::vector<PathRules> make_table() {
     r.corners.perpendicular_words = true;
     r.corner_words = letters("IJKRCA");
     r.compensation.off_parameter = "8136#7";  // NCR
+    r.compensation.mdi_alarm_parameter = "5008#4";  // MCR
     r.compensation.type_b_parameter = "5003#0";
     r.compensation.start_by_normal = true;
     r.compensation.circular_parameter = "19607#2";
@@ -167,6 +168,7 @@ std::vector<PathRules> make_table() {
     r.corners.comma_parameter = "P2500.2";  // CENCW
     r.corners.named_letters = letters("ACR");
     r.corners.enable_parameter = "P0003.3";  // CCR
+    r.corners.angle_parameter = "P0003.7";   // ANGPM
     r.corners.chamfer_ijk_parameter = "P2501.0";
     r.corners.round_r_parameter = "P2501.1";
     r.corners.arcs = true;

@@ -52,6 +52,8 @@ bool Executor::execute_words() {
   if (surface.now.kind != SurfaceKind::none && !surface_allows()) return false;
   if (dialect.compensation.by_d && block.has('D') && !take_d()) return false;
   if (setting_count != 0 && !run_settings()) return false;
+  if (switches.origin == ProgramOrigin::mdi && data.bit(dialect.modes.mdi_form_parameter))
+    incremental = !data.bit(dialect.modes.mdi_absolute_parameter);
   if ((block.words & kFeedSpindleTool) != 0) {
     if (block.has('F') && !take_feed()) return false;
     if (block.has('S') && !take_spindle()) return false;
@@ -117,7 +119,8 @@ bool Executor::check_words() {
     const char letter = lowest_letter(wrong);
     return alarm(AlarmReason::decimal_point, b[letter].column, std::string(1, letter));
   }
-  if (const std::uint32_t wrong = b.negative & ~may_minus; wrong != 0) {
+  const std::uint32_t signed_operands = is_h_block() ? letters("PQR") : 0;
+  if (const std::uint32_t wrong = b.negative & ~(may_minus | signed_operands); wrong != 0) {
     const char letter = lowest_letter(wrong);
     return alarm(AlarmReason::minus_sign, b[letter].column, std::string(1, letter));
   }
@@ -133,6 +136,12 @@ bool Executor::check_words() {
   if (b.inner_slash != 0 && dialect.inner_slash_is_alarm)
     return alarm(AlarmReason::slash_position, b.inner_slash);
   return true;
+}
+
+// G65 H…: operations on variables (GSK).
+bool Executor::is_h_block() const {
+  return macros != nullptr && macros->rules.h_codes && block.g_count != 0 && block.g[0].tenths == 650 &&
+         (block.has('H') || !macros->rules.macro_calls);
 }
 
 // Sorts the G codes by what they are; the last of a group counts.
@@ -265,6 +274,7 @@ bool Executor::run_m_codes(bool after_motion) {
         cycle.rigid_next = true;
         break;
       case MAction::machine:
+        cycle.rigid_next = cycle.rigid_next || number == rigid_m;
         break;
       case MAction::machine_after:
         is_after = true;
@@ -286,6 +296,8 @@ bool Executor::run_m_codes(bool after_motion) {
     sent.modal = modal;
     sent.code = number;
     sent.after_motion = is_after;
+    sent.counts_part = number == part_count_m;
+    if (look_ahead.holds(number)) hold_look_ahead();
   }
   return true;
 }
@@ -303,6 +315,7 @@ bool Executor::run_program_flow() {
         stop.at = at;
         stop.modal = modal;
         stop.optional = optional;
+        if (dialect.look_ahead.stops) hold_look_ahead();
         break;
       }
       case MAction::end_m02:
@@ -313,10 +326,20 @@ bool Executor::run_program_flow() {
         return finish(m30 ? EndReason::m30 : EndReason::m02, counts);
       }
       case MAction::call: {
+        if (cycle.hole.code != nullptr && (block.words & axis_letters) != 0 && macros != nullptr)
+          return alarm(AlarmReason::call_in_hole_cycle, column, "M98");
         if (dialect.calls.by_name) return alarm(AlarmReason::call_without_p, column, "M98");
-        if (!block.has('P')) return alarm(AlarmReason::call_without_p, column, "M98");
-        const std::int64_t p = whole('P', AlarmReason::call_count);
-        if (p < 0) return false;
+        std::int64_t from_sequence = -1;
+        if (macros != nullptr && block.has('Q') && data.bit(macros->rules.sequence_call_parameter)) {
+          from_sequence = whole('Q', AlarmReason::sequence_not_found);
+          if (from_sequence < 0) return false;
+        }
+        std::int64_t p = frames.back().number;  // M98 Q: in this program
+        if (from_sequence < 0 || block.has('P')) {
+          if (!block.has('P')) return alarm(AlarmReason::call_without_p, column, "M98");
+          p = whole('P', AlarmReason::call_count);
+          if (p < 0) return false;
+        }
         std::int64_t times = p > 9'999 ? p / 10'000 : 1;
         if (block.has('L') && dialect.calls.l_repeats) {
           if (p > 9'999) return alarm(AlarmReason::call_count, block['L'].column, "L");
@@ -325,11 +348,18 @@ bool Executor::run_program_flow() {
         }
         if (times > dialect.calls.most_repeats) return alarm(AlarmReason::call_count, block['P'].column, "P");
         const auto number = static_cast<std::uint32_t>(p % 10'000);
-        return call(programs == nullptr ? nullptr : programs->open_number(number), number, times,
-                    block['P'].column);
+        const std::uint32_t at_column = block.has('P') ? block['P'].column : column;
+        if (!call(programs == nullptr ? nullptr : programs->open_number(number), number, times, at_column))
+          return false;
+        if (from_sequence < 0 || times <= 0) return true;
+        frames.back().macro.start_sequence = from_sequence;
+        return begin_search(from_sequence, block['Q'].column, AlarmReason::sequence_not_found);
       }
       case MAction::return_: {
         std::int64_t sequence = -1;
+        if (macros != nullptr && frames.back().macro.kind == CallKind::modal &&
+            ((block.words & ~letters("PL")) != 0 || block.g_count != 0))
+          return alarm(AlarmReason::macro_m99_with_words, column, "M99");
         if (block.has('P')) {
           sequence = whole('P', AlarmReason::sequence_not_found);
           if (sequence < 0) return false;

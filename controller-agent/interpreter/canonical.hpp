@@ -204,13 +204,16 @@ struct MCode {
   double at_position = 0;    ///< absolute position page, programming units
   std::int16_t input = 0;    ///< ≥ 1: finished when this input port has the level wanted (M01 L)
   bool input_level = true;   ///< true: active
+  bool counts_part = false;  ///< the code that counts parts (0i-D No.6710)
+  bool clears_parts = false;  ///< sets the part count to 0 and goes nowhere else (200T M901)
 };
 
 enum class MessageKind : std::uint8_t {
   show,   ///< for the operator: #3006, comments
   print,  ///< DPRNT, BPRNT: bytes for the output device, in the code of the program (not yet ISO or EIA)
   open,   ///< POPEN: connect, DC2
-  close   ///< PCLOS: DC4, disconnect
+  close,  ///< PCLOS: DC4, disconnect
+  statement  ///< no text: a macro statement at which single block stops (0i-D SBM No.6000#5)
 };
 
 /// #3006, comments to show, DPRNT output.

@@ -26,6 +26,8 @@ bool side(Executor& ex, int wanted) {
                    (!rules.enable_parameter.empty() && ex.data.parameter(rules.enable_parameter, 1) == 0);
   if (off && wanted != 0)
     return ex.alarm(AlarmReason::g_unavailable, ex.code_column, std::string(ex.code->name));
+  if (wanted != 0 && ex.switches.origin == ProgramOrigin::mdi && ex.data.bit(rules.mdi_alarm_parameter))
+    return ex.alarm(AlarmReason::mdi_compensation, ex.code_column, std::string(ex.code->name));
   const bool same = wanted != 0 && ex.pipeline.side() == wanted;
   if (wanted != 0) ex.pipeline.activate(ex.machine_now);
   ex.pipeline.written(wanted, same);

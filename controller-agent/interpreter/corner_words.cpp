@@ -100,6 +100,8 @@ bool Executor::take_corner_words() {
   }
   if (block.has_marked('A')) {
     if (!straight) return alarm(AlarmReason::corner_comma, block.marked_at('A').column, ",A");
+    if (!rules.angle_parameter.empty() && data.parameter(rules.angle_parameter, 1) == 0)
+      return alarm(AlarmReason::corner_unavailable, block.marked_at('A').column, "A");
     if ((block.words & axis_letters) == 0) {
       if (pipeline.line_is_open()) {
         return alarm(AlarmReason::drawing_no_end, block.marked_at('A').column, ",A");

@@ -12,8 +12,12 @@ double reference_point(const Executor& ex, std::size_t axis, std::int64_t which)
   const auto& rules = ex.dialect.modes;
   std::string parameter(which == 1 ? rules.first_reference_parameter
                                    : rules.reference_parameters[static_cast<std::size_t>(which - 2)]);
-  parameter += '/';
-  parameter += ex.axes[axis].name;
+  if (const auto own = parameter.find(std::string(1, ex.axes[axis].name) + ':'); own != parameter.npos) {
+    parameter = parameter.substr(own + 2, parameter.find(' ', own) - own - 2);
+  } else {
+    parameter += '/';
+    parameter += ex.axes[axis].name;
+  }
   const auto set = ex.data.parameters.find(parameter);
   return set == ex.data.parameters.end() ? ex.machine.axes[axis].reference_mm
                                          : ex.page_to_slide(axis, set->second);

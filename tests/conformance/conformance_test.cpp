@@ -120,11 +120,14 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
           seen.values["at"] = op.at_position;
           seen.values["input"] = op.input;
           seen.values["level"] = op.input_level ? 1 : 0;
+          seen.values["counts"] = op.counts_part ? 1 : 0;
+          seen.values["clears"] = op.clears_parts ? 1 : 0;
         } else if constexpr (std::is_same_v<T, interp::Message>) {
           seen.op = "message";
-          seen.word = op.kind == interp::MessageKind::open    ? "open"
-                      : op.kind == interp::MessageKind::close ? "close"
-                                                              : one_word(op.text);
+          seen.word = op.kind == interp::MessageKind::open        ? "open"
+                      : op.kind == interp::MessageKind::close     ? "close"
+                      : op.kind == interp::MessageKind::statement ? "statement"
+                                                                  : one_word(op.text);
         } else if constexpr (std::is_same_v<T, interp::Stop>) {
           seen.op = "stop";
         } else if constexpr (std::is_same_v<T, interp::Alarm>) {
@@ -276,6 +279,10 @@ bool apply_settings(const std::string& settings, interp::Switches& switches) {
       switches.decimal_point = interp::DecimalPoint::pocket;
     } else if (word == "decimal_point=standard") {
       switches.decimal_point = interp::DecimalPoint::standard;
+    } else if (word == "origin=mdi") {
+      switches.origin = interp::ProgramOrigin::mdi;
+    } else if (word == "origin=dnc") {
+      switches.origin = interp::ProgramOrigin::dnc;
     } else if (word == "optional_stop=true") {
       switches.optional_stop = true;
     } else if (word.rfind("block_skip=", 0) == 0) {

@@ -47,6 +47,14 @@ void set_common_modes(ModeRules& modes) {
   modes.skip_feed_parameter = "6207#1";
   modes.skip_step_feed_parameter = "6207#2";
   modes.skip_override_parameter = "6200#7";
+  modes.skip_off_parameter = "6201#7";
+  modes.inch_parameter = "0000#2";
+  modes.rotary_linear_parameter = "1006#1";
+  modes.mdi_form_parameter = "3401#4";
+  modes.mdi_absolute_parameter = "3401#5";
+  modes.scale_enable_parameter = "5401#0";
+  modes.fine_angle_parameter = "11630#0";
+  modes.skip_low_parameter = "6200#1";
   modes.dwell_p_scales = true;
   modes.dwell_ms_parameter = "1015#7";
   modes.stroke_2_most = "1322";
@@ -164,6 +172,8 @@ Dialect make_common() {
                    {R::spindle_number, "PS5305"},
                    {R::m_combination, "PS5016"},
                    {R::position_overflow, "PS1160"},
+                   {R::too_many_words, "PS5006"},
+                   {R::interrupted_transform, "PS1101"},
                    {R::arc_increments, "PS5064"}});
   d.m_rules = usual_m_rules();
   d.m_rules.push_back({6, MAction::machine});
@@ -180,6 +190,16 @@ Dialect make_common() {
   d.setting_refused_parameter = "1202#2";
   d.no_count_parameter = "6700#0";
   d.linear_rapid_parameter = "1401#1";
+  d.part_count_m_parameter = "6710";
+  d.rigid_m_parameter = "5210";
+  d.interruption.between_parameter = "6003#2";
+  d.interruption.level_parameter = "6003#3";
+  d.look_ahead = {.stops = true,
+                  .machine_moves = true,
+                  .held_m = "3411",
+                  .held_m_ranges = "3421",
+                  .held_m_count = 10,
+                  .held_m_range_count = 12};
   d.dwell_turns_parameter = "3405#1";
   d.more_m_parameter = "3404#7";
   d.repeated_alarm_parameter = "3403#6";

@@ -28,6 +28,10 @@ constexpr OwnHandler kOwn[] = {
     {"modify_parameters", Phase::action, modify_parameters},
     {"hypothetical_axis", Phase::action, hypothetical_axis},
     {"spindle_thread", Phase::action, spindle_thread},
+    {"spindle_thread_cycle", Phase::motion, spindle_thread_cycle},
+    {"cylinder_k2000", Phase::action, cylinder},
+    {"polar_interpolation_on_k2000", Phase::action, polar_interpolation_on},
+    {"polar_interpolation_off_k2000", Phase::setting, polar_interpolation_off},
     {"diameter_or_radius", Phase::action, diameter_or_radius},
     {"machine_move_k2000", Phase::action, machine_move},
     {"fast_machine_move", Phase::action, fast_machine_move},
@@ -89,15 +93,24 @@ Dialect make_k2000tc() {
                                 {R::program_not_found, "PS0078"},
                                 {R::sequence_not_found, "PS0128"},
                                 {R::nesting, "PS0077"},
+                                {R::polar_axis, "PS0120"},
+                                {R::polar_code, "PS0009"},
+                                {R::cylinder_axis, "PS0108"},
+                                {R::cylinder_code, "PS0009"},
                                 {R::call_count, "PS0078"}});
   add_g_codes(d, tables::gcodes_k2000tc, k2000tc::kOwn);
   d.make_own = k2000tc::make_language;
   d.incremental_letters[0] = true;
   d.m_rules = usual_m_rules();
-  for (const std::int32_t own : {6, 91, 92, 93, 94}) d.m_rules.push_back({own, MAction::own});
-  for (const std::int32_t macro : {96, 97}) d.m_rules.push_back({macro, MAction::unavailable});
+  for (const std::int32_t own : {6, 91, 92, 93, 94, 96, 97}) d.m_rules.push_back({own, MAction::own});
+  d.interruption = {.between_parameter = {},
+                    .inside_parameter = "P4100.3",  // INTT
+                    .level_parameter = "P4100.2",   // TSE: which value is which is not printed; as on 0i-D
+                    .resets_modes = true,
+                    .repeats_block = true};
   d.power_on_switches = {{"P2500.7", {10, 10, 10}}};
   d.modes.compensation_group = 7;
+  d.modes.free_surfaces = true;
   d.modes.reference_parameters = {"P0511", "P0512", ""};
   d.modes.scale_in_thousandths = true;
   d.modes.scale_by_words = true;
@@ -122,6 +135,7 @@ Dialect make_k2000tc() {
   d.first_g10_work = 0;
   d.machine_incremental_is_alarm = true;
   d.linear_rapid_parameter = "P0004.1";
+  d.look_ahead.stops = true;  // L8655
   return d;
 }
 
