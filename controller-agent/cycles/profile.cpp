@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "cycles/tool_radius.hpp"
 #include "interpreter/handlers.hpp"
 
 namespace headstock::cycles {
@@ -369,6 +370,7 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
 
   const bool corner_open = ex.pipeline.holds_corner();
   ex.pipeline = std::move(pipeline);
+  const interp::CompensationMode tool = ex.pipeline.mode_of(ex);
   const auto words = reading.first_words();
   const auto named = [&](char a, char b) {
     return (words & (program::letter_bit(a) | program::letter_bit(b))) != 0;
@@ -396,6 +398,7 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   if (approach_held) return fail(ex, rules, Fault::first_block, 'P', "corner in the first block");
   if (wrong_axis) return fail(ex, rules, Fault::wrong_plane, 'P');
   if (profile.segments.empty()) return fail(ex, rules, Fault::not_found, 'P', "no motion");
+  if (rules.radius_in_roughing && tool.wanted && !offset_profile(ex, tool, profile)) return false;
 
   auto& known = ex.cycle.profile;
   known = {ex.at.program, range.first, range.last, place->offset, place->line, true};

@@ -80,6 +80,7 @@ Rules fanuc_t() {
                   .peck_back = "5114"};
   r.shapes = Shapes::by_first_block;
   r.return_by_allowance = true;
+  r.radius_in_roughing = true;  // K.49
   r.one_block_form = true;
   r.one_block_parameter = "0001#1";
   r.tip_angles = kTips;
@@ -133,6 +134,9 @@ Rules gsk_2000tc() {
                   .no_contour_2 = {},
                   .peck_clearance = {},
                   .peck_back = {}};
+  r.stops = Stops::traverses;  // L3130
+  r.radius_in_boxes = true;
+  r.tip_in_boxes = false;  // L6036
   r.check = Check::by_k_word;
   r.rigid_tap_parameter = "S213.0";
   r.level_cut_at_start = false;
@@ -188,6 +192,8 @@ Rules gsk_218t() {
   r.parameters.least_depth = "P079";
   r.parameters.finish_allowance = "P080";
   r.parameters.runout = "P068";
+  r.stops = Stops::passes;
+  r.tip_in_boxes = true;
   r.check = Check::always;
   r.rigid_tap_parameter = {};
   r.level_cut_at_start = true;
@@ -254,6 +260,7 @@ Rules k2000tc() {
   r.check = Check::unless_parameter;
   r.check_off_parameter = "P3301.5";
   r.holes = HoleFamily::k2000;
+  r.driven_m = 13;  // L8499
   r.r_as_axis = true;
   r.contour_pass = false;  // L13389: the contour has been followed on the way
   r.contour_out_parameter = "P3301.7";

@@ -74,6 +74,9 @@ struct Parameters {
   std::string_view peck_clearance, peck_back;   ///< G83 (return to R), G73 (high speed) [mm]
 };
 
+/// Where single block stops inside a cycle.
+enum class Stops : std::uint8_t { whole, passes, traverses };
+
 enum class Shapes : std::uint8_t {
   parallel,        ///< type I only
   by_first_block,  ///< type II when the first block moves both axes
@@ -94,6 +97,7 @@ struct Rules {
   std::string_view profile;
   std::array<std::string_view, static_cast<std::size_t>(Fault::count_)> alarms{};
   Parameters parameters;
+  Stops stops = Stops::passes;  ///< of single block inside G71-G75
   // ---- roughing
   Shapes shapes = Shapes::parallel;
   Check check = Check::always;
@@ -107,6 +111,9 @@ struct Rules {
   std::int64_t least_passes = 1;           ///< of G73
   bool one_block_form = false;             ///< Series 10/11: D in one block
   std::string_view one_block_parameter;    ///< bit that chooses it
+  bool radius_in_roughing = false;         ///< G71-G73 under G41/G42 rough beside the profile
+  bool radius_in_boxes = false;            ///< G90 and G94 under G41/G42 cut beside their legs
+  bool tip_in_boxes = true;                ///< … with the imaginary tip of the offset; otherwise as tip 0
   bool one_shot_in_profile = false;  ///< only G00-G04 and feed, speed, compensation modes may stand in it
   // ---- pecks
   bool peck_across_diameter = false;  ///< P of G74/G75 follows diameter programming
@@ -128,8 +135,9 @@ struct Rules {
 
   // ---- holes
   HoleFamily holes = HoleFamily::none;
-  bool r_from_initial = false;           ///< R is always a distance from the initial level
-  bool r_as_axis = false;                ///< R counts as words of the drilling axis do (diameter)
+  bool r_from_initial = false;  ///< R is always a distance from the initial level
+  bool r_as_axis = false;       ///< R counts as words of the drilling axis do (diameter)
+  std::int32_t driven_m = 0;    ///< M code that turns a driven tool cw; the next two: ccw, stop. 0: not known
   std::string_view rigid_tap_parameter;  ///< bit: G84 of the 2000TC is rigid
 
   std::string_view code(Fault fault) const { return alarms[static_cast<std::size_t>(fault)]; }

@@ -77,6 +77,9 @@ bool multiple_threading(Executor& ex) {
   const program::Block& b = ex.block;
   PlaneAxes axes;
   if (!plane_axes(ex, rules, axes)) return false;
+  interp::BoxWords& words = ex.cycle.box;
+  if (words.owner != ex.code->handler) words.starts = 1;  // L lasts from G76 to G76, over G04 too
+  words.owner = ex.code->handler;
   const auto u = target_word(ex, axes.u, axes.u_name, axes.u_step);
   const auto v = target_word(ex, axes.v, axes.v_name, axes.v_step);
   if (!u && !v) return keep_setup(ex, rules);
@@ -140,7 +143,7 @@ bool multiple_threading(Executor& ex) {
   job.starts = pass.starts;
   job.runout = pass.runout;
   remember_thread(ex, axes, pass);
-  start(ex, "G76", axes, threading(std::move(job)));
+  start(ex, "G76", axes, threading(std::move(job)), Stops::passes);
   return true;
 }
 

@@ -2,6 +2,7 @@
 #include <bit>
 
 #include "interpreter/executor.hpp"
+#include "interpreter/handlers.hpp"
 
 namespace headstock::interp {
 namespace {
@@ -24,6 +25,7 @@ constexpr std::uint32_t kFeedSpindleTool = letters("FST");
 
 bool Executor::execute() {
   ++at.block;
+  at.part = 0;
   if (macros != nullptr) {
     motions_before = motions;
     move_calls = !frames.back().macro.modal_calls.empty();
@@ -51,7 +53,10 @@ bool Executor::execute_words() {
   if (!check_words() || !take_codes()) return false;
   if (surface.now.kind != SurfaceKind::none && !surface_allows()) return false;
   if (dialect.compensation.by_d && block.has('D') && !take_d()) return false;
+  if (length_sign != 0) tool_offset::follow_changes(*this);
   if (setting_count != 0 && !run_settings()) return false;
+  if (!dialect.tools.lathe && block.has('H') && !length_in_block() && !tool_offset::take_h(*this))
+    return false;
   if ((block.words & kFeedSpindleTool) != 0) {
     if (block.has('F') && !take_feed()) return false;
     if (block.has('S') && !take_spindle()) return false;
@@ -63,6 +68,7 @@ bool Executor::execute_words() {
   if (spindle_changed) emit_spindle();
   if (((block.words & dialect.corner_words) | block.marked) != 0 && !take_corner_words()) return false;
 
+  if (cycle.rigid_next && !rigid_tap_follows()) return false;
   // A move of an axis that the machine does not have must not be left out silently.
   if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters;
       wrong != 0 && (action == nullptr || !action->cycle)) {
@@ -81,7 +87,8 @@ bool Executor::execute_words() {
     if (motion_code->phase == Phase::unavailable) {
       return alarm(AlarmReason::g_unavailable, 0, std::string(motion_code->name));
     }
-    if (!motion_code->handler(*this)) return false;
+    const bool offset_only = (block.words & (axis_letters | letters("IJKR"))) == 0;
+    if (!(offset_only ? tool_offset::move_alone(*this) : motion_code->handler(*this))) return false;
   } else if (block.has('I') && motion_code->handler != nullptr) {
     // A full circle needs no axis word; a straight move ignores the word.
     code = motion_code;
@@ -98,6 +105,21 @@ bool Executor::execute_words() {
   if (block.m_count != 0 && !(run_m_codes(true) && run_program_flow())) return false;
   if (move_calls && motions != motions_before && !finished) return call_modal();
   return true;
+}
+
+// After M29 comes the tapping cycle, with no move before it (0i-D PS0204, GSK 2000TC 195).
+bool Executor::rigid_tap_follows() {
+  const GCode* next = action != nullptr ? action : cycle.hole.code != nullptr ? cycle.hole.code : motion_code;
+  const bool moves = (block.words & axis_letters) != 0;
+  if (!moves || next->cycle) return true;
+  return alarm(AlarmReason::rigid_tap_move, 0, "M29");
+}
+
+bool Executor::length_in_block() const {
+  for (std::size_t i = 0; i < setting_count; ++i) {
+    if (settings[i]->handler == handlers::length_offset) return true;
+  }
+  return false;
 }
 
 bool Executor::run_deferred() {
@@ -149,7 +171,8 @@ bool Executor::take_codes() {
     const GCode* row = table->find(written.tenths);
     if (row == nullptr) return alarm(AlarmReason::illegal_g, written, 'G');
     for (const Codes& absent : absent_codes) {
-      if (row->tenths >= absent.first && row->tenths <= absent.last) return alarm(AlarmReason::illegal_g, written, 'G');
+      if (row->tenths >= absent.first && row->tenths <= absent.last)
+        return alarm(AlarmReason::illegal_g, written, 'G');
     }
     if (row->group != 0) {
       const std::uint32_t bit = 1u << row->group;
@@ -275,6 +298,7 @@ bool Executor::run_m_codes(bool after_motion) {
         continue;  // program flow, not sent to the machine
     }
     if (is_after != after_motion) continue;
+    if (number >= 13 && number <= 15) cycle.driven_m = number == 15 ? 0 : number;
     if (!tool_life::take_m(*this, number, block.m[i].column)) return false;
     if (cycle.hole.code != nullptr && number != 0 && number == cycle.clamp_m) {
       cycle.hole.clamp = true;  // goes out when the hole's position is reached
@@ -313,6 +337,8 @@ bool Executor::run_program_flow() {
         return finish(m30 ? EndReason::m30 : EndReason::m02, counts);
       }
       case MAction::call: {
+        if (dialect.compensation.calls_refused && pipeline.side() != 0)
+          return alarm(AlarmReason::compensation_call, column, "M98");
         if (dialect.calls.by_name) return alarm(AlarmReason::call_without_p, column, "M98");
         if (!block.has('P')) return alarm(AlarmReason::call_without_p, column, "M98");
         const std::int64_t p = whole('P', AlarmReason::call_count);
@@ -329,6 +355,8 @@ bool Executor::run_program_flow() {
                     block['P'].column);
       }
       case MAction::return_: {
+        if (dialect.compensation.calls_refused && pipeline.side() != 0 && frames.size() > 1)
+          return alarm(AlarmReason::compensation_call, column, "M99");
         std::int64_t sequence = -1;
         if (block.has('P')) {
           sequence = whole('P', AlarmReason::sequence_not_found);

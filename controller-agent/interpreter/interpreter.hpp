@@ -38,6 +38,7 @@ struct Switches {
   std::uint32_t block_skip = 0;  ///< bit n: /n is on (bit 1 also serves plain "/")
   bool optional_stop = false;    ///< M01 stops
   bool dry_run = false;
+  bool mdi = false;         ///< the program was keyed in at the panel
   bool lenient = false;     ///< field files: `;` comments, no O/%, bare numbers as mm
   char gcode_system = 'A';  ///< A, B or C (fanuc-0i-t)
   DecimalPoint decimal_point = DecimalPoint::as_machine;

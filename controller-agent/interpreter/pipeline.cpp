@@ -32,8 +32,11 @@ void Pipeline::clear() {
   d_number = number;
 }
 
-void Pipeline::activate(const AxisVector& machine_position) {
-  if (!active_) position_ = machine_position;
+void Pipeline::activate(const AxisVector& machine_position, const AxisVector& work_position) {
+  if (!active_) {
+    position_ = passed_machine_ = machine_position;
+    passed_work_ = work_position;
+  }
   active_ = true;
 }
 
@@ -134,7 +137,7 @@ void Pipeline::take(Executor& ex) {
       quiet_block(ex);
     }
   }
-  block_counts_ = again_ = lift_block_ = false;
+  block_counts_ = again_ = lift_block_ = written_here_ = false;
   request_ = {};
   const bool busy = held_corner_ || on_ || has_last_ || has_previous_ || side_ != 0;
   if (!busy || stopped_) active_ = false;
@@ -205,6 +208,7 @@ void Pipeline::meet_corner(Executor& ex, Entry&& next) {
     inserted.path = cut.inserted;
     inserted.op =
         motion_along(ex, *motion_in(first.op), first.mode, cut.inserted.to, cut.inserted, feed_of(first.op));
+    if (ex.data.bit(ex.dialect.corners.stop_parameter)) ++motion_in(inserted.op)->at.part;
     move_end(ex, first.op, first.mode, cut.first);
     first.path = cut.first;
     set_arc(ex, next.op, next.mode, cut.second, {});

@@ -247,6 +247,7 @@ CommandResult Controller::Impl::start_run(Selection& chosen) {
 
   main_window = std::make_shared<TextWindow>();
   programs.select(chosen.memory);
+  switches.mdi = &chosen == &mdi_block;
   interpreter.set_switches(switches);
   // The same bits in every run: lengths along the path are counted from its start.
   const AxisVector standing = feed.position();
