@@ -185,7 +185,7 @@ bool hole_cycle(Executor& ex) {
     ex.fill_motion(motion, moved);
     return true;
   }
-  if (!words.has_bottom) return fail(ex, rules, Fault::hole_depth, name);
+  if (!words.has_bottom) return fail(ex, rules, Fault::hole_axis, name);
 
   Hole hole;
   hole.kind = code->kind;

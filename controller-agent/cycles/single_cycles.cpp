@@ -169,7 +169,9 @@ bool peck_cycle(Executor& ex, bool across_first, const char* name) {
   if (std::fabs(depth) < kTiny) return fail(ex, rules, Fault::peck, across_first ? axes.v_name : axes.u_name);
   if (job.peck <= 0 && rules.peck_needed) return fail(ex, rules, Fault::peck, across_first ? 'P' : 'Q');
   if (std::fabs(width) > kTiny && job.step <= 0)
-    return fail(ex, rules, Fault::peck, across_first ? 'Q' : 'P');
+    return fail(ex, rules, Fault::peck_step, across_first ? 'Q' : 'P');
+  // Away from the side the steps go to; a sign is for the holes that step nowhere.
+  if (std::fabs(width) > kTiny && job.relief_sign < 0) return fail(ex, rules, Fault::peck_relief, 'R');
   if (!check_feed(ex)) return false;
   start(ex, name, axes, pecking(job), rules.stops);
   return true;

@@ -23,15 +23,17 @@ bool tapping(Executor& ex) {
   for (std::uint32_t mask = b.words & ex.axis_letters; mask != 0; mask &= mask - 1) {
     const auto letter = static_cast<unsigned>(std::countr_zero(mask));
     if (static_cast<std::size_t>(ex.axis_of[letter]) != *axis) {
-      return fail(ex, rules, Fault::hole_axis, static_cast<char>('A' + letter));
+      return fail(ex, rules, Fault::tap_block, static_cast<char>('A' + letter));
     }
   }
   const auto bottom = target_word(ex, *axis, name, step);
+  if (rules.taps_down_only && (!bottom || *bottom > ex.slide_mm(*axis)))
+    return fail(ex, rules, Fault::tap_block, name);
   if (!bottom || std::fabs(*bottom - ex.slide_mm(*axis)) < kTiny) return true;  // no move: no tapping
   if (b.has('F') && b.has('I')) return ex.alarm(dialects::AlarmReason::thread_f_and_i, b['I'].column, "I");
   if (b.has('F')) ex.lead_mm = b['F'].value() * ex.unit_mm;
   if (b.has('I')) ex.lead_mm = b['I'].value() > 0 ? 25.4 / b['I'].value() : 0;
-  if (!(ex.lead_mm > 0)) return fail(ex, rules, Fault::thread_lead, 'F');
+  if (!(ex.lead_mm > 0)) return fail(ex, rules, Fault::tap_lead, 'F');
   for (const char letter : {'L', 'Q', 'P'}) {
     if (b.has(letter) && b[letter].value() != 0 && !(letter == 'L' && b['L'].value() == 1))
       return fail(ex, rules, Fault::unfinished, letter, std::string("tapping ") + letter);

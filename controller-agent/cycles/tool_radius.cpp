@@ -28,7 +28,8 @@ comp::Segment path_of(const Segment& s) {
 
 }  // namespace
 
-bool offset_profile(interp::Executor& ex, const interp::CompensationMode& mode, Profile& profile) {
+bool offset_profile(interp::Executor& ex, const Rules& cycle, const interp::CompensationMode& mode,
+                    Profile& profile) {
   const double r = mode.radius;
   if (r == 0 || profile.segments.size() <= profile.approach) return true;
   const auto refuse = [&ex](AlarmReason reason) { return ex.alarm(reason, ex.code_column, "G41/G42"); };
@@ -43,6 +44,10 @@ bool offset_profile(interp::Executor& ex, const interp::CompensationMode& mode, 
       return refuse(AlarmReason::compensation_overcut);
     contour.push_back(path);
   }
+  // The tool must be on the side that the cycle starts from.
+  const double start_side =
+      comp::cross(contour.front().direction_at_start(), point(profile.start) - contour.front().from);
+  if (std::fabs(start_side) > kTiny && start_side * r < 0) return fail(ex, cycle, Fault::radius_side, 'P');
   Path beside(profile.segments.begin(),
               profile.segments.begin() + static_cast<std::ptrdiff_t>(profile.approach));
   comp::Vectors begin = comp::single(comp::normal_at_start(contour.front(), r));

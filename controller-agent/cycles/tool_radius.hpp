@@ -10,7 +10,8 @@ namespace headstock::cycles {
 
 /// Roughing follows the path that the tip takes beside the profile: a start-up in the first block, square to
 /// the contour's first and last block. @return false after the alarm of compensation.
-bool offset_profile(interp::Executor& ex, const interp::CompensationMode& mode, Profile& profile);
+bool offset_profile(interp::Executor& ex, const Rules& rules, const interp::CompensationMode& mode,
+                    Profile& profile);
 
 /// The cut of G90 or G94 with the nose's centre beside both of its legs, on the side of the start point
 /// whatever G41 or G42 says (GSK218T L8187, GSK2000TC L6862).

@@ -175,7 +175,7 @@ std::vector<PathRules> make_table() {
   {
     PathRules r;
     r.profile = "gsk-218t";
-    r.compensation.enable_parameter = "002.3";  // CCMP
+    r.compensation.enable_parameter = "P002.3";  // CCMP
     r.compensation.zero_number_is_alarm = true;
     r.compensation.side_change_after_start_is_alarm = true;
     r.compensation.most_quiet_blocks = 30;

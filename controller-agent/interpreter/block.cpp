@@ -285,6 +285,10 @@ bool Executor::run_m_codes(bool after_motion) {
         }
         break;
       case MAction::rigid_tapping:
+        // G84 and G88 as modal codes of group 01 (GSK 2000TC 196).
+        if (!after_motion && motion_code->cycle && (motion_code->tenths == 840 || motion_code->tenths == 880) &&
+            modal.g[motion_code->group] == motion_code->tenths)
+          return alarm(AlarmReason::rigid_tap_again, block.m[i], 'M');
         cycle.rigid_next = true;
         break;
       case MAction::machine:

@@ -109,10 +109,6 @@ void Pipeline::take(Executor& ex) {
   ex.queue_head = 0;
   ex.out_used = false;
 
-  // Polar and cylindrical interpolation hand on moves of the machine's axes: no contour to run beside.
-  if (side_ != 0 && ex.surface.now.kind != SurfaceKind::none) {
-    raise(ex, AlarmReason::compensation_refused, ex.at, 0, {});
-  }
   const CompensationMode mode = mode_of(ex);
   bool moved = false;
   for (Operation& op : incoming_) {
@@ -198,6 +194,10 @@ void Pipeline::meet_corner(Executor& ex, Entry&& next) {
                            ex.dialect.corners.chamfer_size);
   }
   if (cut.fault == CornerFault::too_large) return fail(AlarmReason::corner_too_large);
+  // Not where compensation begins, ends or changes its side (0i-D PS0039, K2000TC L17717).
+  const bool begins = held_.mode.wanted && !on_, ends = held_.mode.wanted && !next.mode.wanted;
+  if (cut.fault == CornerFault::none && (begins || ends || held_.mode.radius * next.mode.radius < 0))
+    return fail(AlarmReason::compensation_corner);
 
   Entry first = std::move(held_);
   held_corner_ = false;

@@ -62,10 +62,16 @@ Pipeline::Closed Pipeline::leave_out(Executor& ex, const Entry& next) {
   if (meet.count == 2 && comp::length(meet.point[1] - middle) < comp::length(at_point - middle))
     at_point = meet.point[1];
   const Point end = at_point - previous_.path.to, begin = at_point - next.path.from;
-  const bool safe = comp::check(previous_.path, previous_.start_vector, end) == comp::Between::good &&
-                    comp::clears(last_.path, at_point, at_point, std::fabs(r)) &&
-                    comp::clears(previous_.path, at_point, at_point, std::fabs(r)) &&
-                    comp::clears(next.path, at_point, at_point, std::fabs(r));
+  // Neither the way to where they meet nor the way on from there may cut any of the three.
+  const Point came_from = previous_.path.from + previous_.start_vector;
+  const Point goes_to = next.path.to + comp::normal_at_end(next.path, r);
+  bool safe = comp::check(previous_.path, previous_.start_vector, end) == comp::Between::good;
+  const comp::Segment* const blocks[] = {&previous_.path, &last_.path, &next.path};
+  for (const comp::Segment* block : blocks) {
+    safe = safe && comp::clears(*block, at_point, at_point, std::fabs(r));
+    if (!previous_.path.arc) safe = safe && comp::clears(*block, came_from, at_point, std::fabs(r));
+    if (!next.path.arc) safe = safe && comp::clears(*block, at_point, goes_to, std::fabs(r));
+  }
   if (!safe) return refuse(AlarmReason::compensation_danger);
   corner_ = comp::single(end);
   release_previous(ex);

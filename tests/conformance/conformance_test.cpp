@@ -271,6 +271,8 @@ bool apply_settings(const std::string& settings, interp::Switches& switches) {
   while (words >> word) {
     if (word.rfind("gcode_system=", 0) == 0) {
       switches.gcode_system = word.back();
+    } else if (word == "mdi=true") {
+      switches.mdi = true;
     } else if (word == "lenient=true") {
       switches.lenient = true;
     } else if (word == "decimal_point=pocket") {
