@@ -210,6 +210,24 @@ enum class AlarmReason : std::uint8_t {
   // ---- interruption macros
   interrupted_transform,  ///< G51.1, G51, G68 in a program that broke into one of them: as g_not_now
   interrupted_cycle,  ///< the signal inside a cycle with a profile: as g_not_now
+  // ---- tool offsets and measuring
+  length_axes,                ///< G43/G44 type C on a second axis, or on two
+  step_in_compensation,       ///< G45-G48 needs G40
+  measure_signal,             ///< G36/G37: no signal, or at the wrong place
+  measure_number,             ///< …: no offset number in force
+  measure_with_offset,        ///< …: together with H or T
+  measure_axis,               ///< …: not one absolute axis word
+  reference_in_cycle,         ///< G27-G30 in a canned cycle
+  compensation_no_avoidance,  ///< interference, and the neighbours do not meet either
+  compensation_danger,        ///< …, where they meet the block between would be cut
+  compensation_again,         ///< …, interference again behind it
+  rigid_tap_move,             ///< a move (or S) between M29 and its tapping cycle
+  rigid_tap_plane,            ///< the plane changes there or in the cycle
+  rigid_tap_again,            ///< M29 while a tapping cycle is in force
+  drawing_unit,               ///< G20/G21 between an angle block and the next
+  drawing_polar,              ///< G12.1/G13.1 there
+  drawing_mirror,             ///< a mirror image there
+  drawing_plane,              ///< another plane there
   count_                   // number of reasons
 };
 

@@ -88,6 +88,7 @@ void Executor::set_switches(const Switches& wanted) {
   constexpr std::uint32_t kAll = (1u << 26) - 1;
   legal = switches.lenient ? kAll : numbers.addresses;
   may_point = switches.lenient ? kAll : numbers.pointed;
+  if (data.bit(numbers.pointed_counts_parameter)) may_point |= letters("PQ");
   may_minus = switches.lenient ? kAll : numbers.negative | axis_letters;
   if (other_system) power_on();
 }

@@ -247,6 +247,9 @@ CommandResult Controller::Impl::start_run(Selection& chosen) {
 
   main_window = std::make_shared<TextWindow>();
   programs.select(chosen.memory);
+  switches.origin = &chosen == &mdi_block ? interp::ProgramOrigin::mdi
+                    : chosen.is_stream    ? interp::ProgramOrigin::dnc
+                                          : interp::ProgramOrigin::memory;
   interpreter.set_switches(switches);
   // The same bits in every run: lengths along the path are counted from its start.
   const AxisVector standing = feed.position();

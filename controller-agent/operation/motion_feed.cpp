@@ -62,7 +62,7 @@ bool is_motion(const interp::Operation& operation) {
 }
 
 bool blocks_differ(const interp::SourcePosition& a, const interp::SourcePosition& b) {
-  return a.program != b.program || a.line != b.line || a.byte_offset != b.byte_offset;
+  return a.program != b.program || a.line != b.line || a.byte_offset != b.byte_offset || a.part != b.part;
 }
 
 const interp::Motion& motion_of(const interp::Operation& operation) {

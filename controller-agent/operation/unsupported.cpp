@@ -14,6 +14,9 @@ constexpr MachineAlarm kAuxiliary{"HS0002", "Second auxiliary function is not wi
 constexpr MachineAlarm kTap{"HS0002", "Synchronous tapping is not carried out by this motion control",
                             "本运动控制不执行同步攻丝"};
 
+constexpr MachineAlarm kDrivenTap{"HS0002", "Synchronous tapping with a driven tool: only the main spindle is synchronised",
+                                  "动力刀具同步攻丝：本机只同步主轴"};
+
 constexpr MachineAlarm kPolygon{"HS0002", "Polygon turning: this machine has no driven tool axis",
                                 "本机没有多边形车削的刀具轴"};
 
@@ -30,6 +33,7 @@ std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation
       polygon != nullptr && polygon->on)
     return kPolygon;
   if (std::holds_alternative<interp::SecondAuxiliary>(operation)) return kAuxiliary;
+  if (const auto* tap = std::get_if<interp::Tap>(&operation); tap != nullptr && tap->spindle != 0) return kDrivenTap;
   if (std::holds_alternative<interp::Tap>(operation)) return kTap;
   return std::nullopt;
 }
