@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "axes/electronic_gear.hpp"
 #include "machine/machine.hpp"
 
 namespace headstock::axes {
@@ -60,31 +61,42 @@ class RecorderDrive final : public Drive {
   std::vector<AxisVector> record_;
 };
 
-/// A servo axis as a position loop over a velocity loop over an inertia: it lags by speed / position_gain,
-/// settles without overshoot, and cannot accelerate faster than its torque allows.
-struct ServoTuning {
-  double position_gain_per_s = 50;   ///< following error [mm] = speed [mm/s] / this
-  double velocity_gain_per_s = 600;  ///< 1 / time constant of the velocity loop
-  double torque_reserve = 2.5;       ///< greatest acceleration, as a multiple of the axis' max_acceleration
-};
-
+/// Servo axes as a position loop over a velocity loop over an inertia with friction: they lag by speed /
+/// position gain, settle without overshoot, and cannot accelerate faster than their torque allows. The
+/// numbers are those of the machine file (`[axis.X] position_gain_per_s`, `torque_reserve`, …).
 class SimulatedDrive final : public Drive {
  public:
-  SimulatedDrive(const machine::Machine& machine, const ServoTuning& tuning = {});
+  explicit SimulatedDrive(const machine::Machine& machine);
   void enable(bool on) noexcept override { enabled_ = on; }
   void command(const AxisVector& position) noexcept override;
-  AxisVector actual() const noexcept override { return position_; }
+  AxisVector actual() const noexcept override;
   void set_position(const AxisVector& position) noexcept override;
   /// Commanded minus measured [mm].
   AxisVector following_error() const noexcept;
 
+  // ---- faults, for tests and training; the thread that calls command()
+  /// The slide is jammed: no torque moves it.
+  void jam(std::size_t axis, bool jammed) noexcept { servo_[axis].jammed = jammed; }
+  /// Something moves the slide by this much at once [mm].
+  void push(std::size_t axis, double by_mm) noexcept { servo_[axis].position += by_mm; }
+
  private:
-  ServoTuning tuning_;
+  struct Servo {
+    double position_gain_per_s = 50, velocity_gain_per_s = 600;
+    double acceleration_limit = 0, friction = 0, encoder_mm = 0;
+    ElectronicGear gear;
+    double command = 0, position = 0, velocity = 0;
+    bool jammed = false;
+    double measured() const noexcept;
+  };
+
   std::size_t axes_;
   double period_s_;
-  AxisVector acceleration_limit_{};
-  AxisVector command_{}, position_{}, velocity_{};
+  std::array<Servo, machine::kMaxAxes> servo_{};
   bool enabled_ = true;
 };
+
+/// The drive that the machine file names.
+std::unique_ptr<Drive> make_drive(const machine::Machine& machine);
 
 }  // namespace headstock::axes

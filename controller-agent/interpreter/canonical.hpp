@@ -258,6 +258,7 @@ struct Tap : Motion {
   double rpm = 0;       ///< spindle speed in force; 0 under `follows` when none was commanded
   SpindleDirection direction = SpindleDirection::cw;  ///< inward; outward is the other one
   double dwell_s = 0;  ///< at the bottom
+  double out_override = 1;  ///< speed on the way out over `rpm` (extraction override, 0i-D No. 5211); > 0
 };
 
 using Operation =
