@@ -29,6 +29,9 @@ SimulatedDrive::SimulatedDrive(const machine::Machine& machine)
     servo.friction = axis.friction_mm_s2;
     servo.encoder_mm = axis.encoder_um / 1000;
     servo.gear = ElectronicGear(axis.gear_numerator, axis.gear_denominator);
+    servo.dog = axis.dog_mm;
+    servo.dog_width = axis.dog_width_mm;
+    servo.grid = axis.grid_mm;
     servo.position = servo.command = axis.reference_mm;
   }
 }
@@ -62,9 +65,24 @@ AxisVector SimulatedDrive::actual() const noexcept {
 
 void SimulatedDrive::set_position(const AxisVector& position) noexcept {
   for (std::size_t i = 0; i < axes_; ++i) {
-    servo_[i].command = servo_[i].position = position[i];
-    servo_[i].velocity = 0;
+    Servo& servo = servo_[i];
+    servo.zero += servo.position - position[i];
+    servo.command = servo.position = position[i];
+    servo.velocity = 0;
   }
+}
+
+void SimulatedDrive::place(std::size_t axis, double true_position_mm) noexcept {
+  servo_[axis].zero = true_position_mm - servo_[axis].position;
+}
+
+bool SimulatedDrive::dog(std::size_t axis) const noexcept {
+  return std::abs(true_position(axis) - servo_[axis].dog) <= servo_[axis].dog_width / 2;
+}
+
+double SimulatedDrive::way_to_mark(std::size_t axis, double sense) const noexcept {
+  const double grid = servo_[axis].grid, turns = true_position(axis) / grid;
+  return ((sense > 0 ? std::floor(turns) + 1 : std::ceil(turns) - 1) - turns) * grid;
 }
 
 AxisVector SimulatedDrive::following_error() const noexcept {

@@ -24,8 +24,20 @@ class Drive {
   virtual void command(const AxisVector& position) noexcept = 0;
   /// Measured position, machine coordinates.
   virtual AxisVector actual() const noexcept = 0;
-  /// The machine stands here (after homing, at start). Not while moving.
+  /// What is measured now is called this from now on (after homing, at start); nothing moves. Not while
+  /// moving.
   virtual void set_position(const AxisVector& position) noexcept = 0;
+
+  /// Gain of the axis' position loop [1/s]; 0: it follows without any lag.
+  virtual double position_gain(std::size_t) const noexcept { return 0; }
+
+  // ---- reference return of axes without an absolute encoder
+  /// The deceleration switch is touched.
+  virtual bool dog(std::size_t) const noexcept { return false; }
+  /// Way from the measured position to the next zero mark of the encoder; `sense` 1 or -1, so is the result's
+  /// sign.
+  virtual double way_to_mark(std::size_t, double) const noexcept { return 0; }
+  virtual double mark_distance(std::size_t) const noexcept { return 0; }
 };
 
 /// Follows without any error; for virtual time, where the commanded path itself is looked at.
@@ -73,6 +85,14 @@ class SimulatedDrive final : public Drive {
   void set_position(const AxisVector& position) noexcept override;
   /// Commanded minus measured [mm].
   AxisVector following_error() const noexcept;
+  double position_gain(std::size_t axis) const noexcept override { return servo_[axis].position_gain_per_s; }
+  bool dog(std::size_t axis) const noexcept override;
+  double way_to_mark(std::size_t axis, double sense) const noexcept override;
+  double mark_distance(std::size_t axis) const noexcept override { return servo_[axis].grid; }
+  /// Where the slide really is, whatever the control calls it.
+  double true_position(std::size_t axis) const noexcept { return servo_[axis].position + servo_[axis].zero; }
+  /// Before power on somebody has moved the slide here.
+  void place(std::size_t axis, double true_position_mm) noexcept;
 
   // ---- faults, for tests and training; the thread that calls command()
   /// The slide is jammed: no torque moves it.
@@ -85,7 +105,9 @@ class SimulatedDrive final : public Drive {
     double position_gain_per_s = 50, velocity_gain_per_s = 600;
     double acceleration_limit = 0, friction = 0, encoder_mm = 0;
     ElectronicGear gear;
-    double command = 0, position = 0, velocity = 0;
+    double dog = 0, dog_width = 0, grid = 1;
+    double command = 0, position = 0, velocity = 0;  // as the control counts
+    double zero = 0;                                 // where its count is zero
     bool jammed = false;
     double measured() const noexcept;
   };

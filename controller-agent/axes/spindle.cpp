@@ -24,7 +24,8 @@ void SimulatedSpindle::command(double rpm) noexcept {
   commanded_rpm_ = rpm;
 }
 
-void SimulatedSpindle::command_phase(double phase_rad) noexcept {
+void SimulatedSpindle::command_phase(double phase_rad, double gain_per_s) noexcept {
+  gain_per_s_ = gain_per_s;
   position_control_ = true;
   commanded_phase_rad_ = phase_rad;
   commanded_rpm_ = 0;
@@ -33,13 +34,14 @@ void SimulatedSpindle::command_phase(double phase_rad) noexcept {
 void SimulatedSpindle::step() noexcept {
   const double before = rpm_;
   if (position_control_) {
-    // The speed that meets the command, as far as the motor can: inside its torque it is exact, at its end
-    // the error shows.
-    const double even = (commanded_phase_rad_ - phase_rad_) / period_s_ / kRadPerRpmSecond;
+    // The speed that meets the command, as far as the motor can: without lag it is exact inside its torque;
+    // at its end the error shows.
+    const double behind = commanded_phase_rad_ - phase_rad_;
+    const double even = behind * (gain_per_s_ > 0 ? gain_per_s_ : 1 / period_s_) / kRadPerRpmSecond;
     const double most = acceleration_rpm_s_ * period_s_;
-    if (std::abs(even - rpm_) <= most) {
+    if (gain_per_s_ == 0 && std::abs(even - rpm_) <= most) {
       rpm_ = even * load_;
-      phase_rad_ += (commanded_phase_rad_ - phase_rad_) * load_;
+      phase_rad_ += behind * load_;
       return;
     }
     rpm_ += std::clamp(even - rpm_, -most, most);

@@ -17,7 +17,8 @@ class SimulatedSpindle {
   void command(double rpm) noexcept;
   /// Position control: be at this angle at the end of the next period. It follows as far as its acceleration
   /// allows; how far it is behind is position_error_rad().
-  void command_phase(double phase_rad) noexcept;
+  /// @param gain_per_s of its position loop, so that it lags as a servo axis of that gain does; 0: no lag
+  void command_phase(double phase_rad, double gain_per_s = 0) noexcept;
   /// Acceleration in speed control from now on [rpm/s], > 0; 0: the spindle's own.
   void limit_acceleration(double rpm_s) noexcept { acceleration_limit_rpm_s_ = rpm_s; }
   void step() noexcept;
@@ -53,7 +54,7 @@ class SimulatedSpindle {
   double ramp_rpm_ = 0;  // before the rounding
   double commanded_rpm_ = 0, rpm_ = 0, phase_rad_ = 0, load_ = 1;
   bool position_control_ = false;
-  double commanded_phase_rad_ = 0;
+  double commanded_phase_rad_ = 0, gain_per_s_ = 0;
 };
 
 }  // namespace headstock::axes

@@ -27,7 +27,7 @@ void TapRun::begin(const TapOrder& order, double position) noexcept {
   order_ = order;
   position_ = origin_ = position;
   in_hole_ = stop_given_ = false;
-  error_mm_ = beyond_mm_ = 0;
+  beyond_mm_ = 0;
   dwell_left_ = order.dwell_s;
   const machine::Axis& axis = machine_->axes[order.axis];
   const machine::Spindle& data = machine_->spindle;
@@ -52,7 +52,7 @@ void TapRun::stop() noexcept {
   phase_ = phase_ == Phase::wait ? Phase::off : Phase::stopping;
 }
 
-void TapRun::step(SimulatedSpindle& spindle) noexcept {
+void TapRun::step(SimulatedSpindle& spindle, double gain_per_s) noexcept {
   if (phase_ == Phase::off) return;
   if (phase_ == Phase::wait) {
     spindle.command(0);
@@ -63,13 +63,15 @@ void TapRun::step(SimulatedSpindle& spindle) noexcept {
   if (order_.follows)
     step_follows(spindle);
   else
-    step_rigid(spindle);
+    step_rigid(spindle, gain_per_s);
   beyond_mm_ = std::max(beyond_mm_, (position_ - order_.bottom) * inward());
 }
 
-void TapRun::step_rigid(SimulatedSpindle& spindle) noexcept {
-  // The spindle has had a period to get where the axis is now.
-  error_mm_ = std::abs(spindle.phase_rad() - phase_of(position_)) / kTwoPi * order_.pitch_mm;
+double TapRun::error_mm(double actual_position, double phase_rad) const noexcept {
+  return std::abs(actual_position - position_of(phase_rad));
+}
+
+void TapRun::step_rigid(SimulatedSpindle& spindle, double gain_per_s) noexcept {
   switch (phase_) {
     case Phase::in:
       motion_.go(order_.bottom, speed_in_);
@@ -82,7 +84,7 @@ void TapRun::step_rigid(SimulatedSpindle& spindle) noexcept {
   }
   motion_.step();
   position_ = motion_.position();
-  spindle.command_phase(phase_of(position_));
+  spindle.command_phase(phase_of(position_), gain_per_s);
   if (!motion_.at_rest()) return;
   if (phase_ == Phase::in && motion_.arrived()) phase_ = Phase::dwell;
   if (phase_ == Phase::dwell) {

@@ -36,7 +36,10 @@ class TapRun {
   /// RESET, emergency stop: both brake in step and stay where they are.
   void stop() noexcept;
   /// One period: commands the spindle and moves the axis. Call before the spindle's own step.
-  void step(SimulatedSpindle& spindle) noexcept;
+  /// @param gain_per_s of the axis' position loop: the spindle has to lag as the axis does; 0: neither lags
+  void step(SimulatedSpindle& spindle, double gain_per_s) noexcept;
+  /// How far the spindle is from where the axis is, as the way of the axis [mm].
+  double error_mm(double actual_position, double phase_rad) const noexcept;
 
   bool running() const noexcept { return phase_ != Phase::off; }
   double position() const noexcept { return position_; }
@@ -45,15 +48,18 @@ class TapRun {
   bool in_hole() const noexcept { return in_hole_; }
   const TapOrder& order() const noexcept { return order_; }
   void forget() noexcept { in_hole_ = false; }
-  /// How far the spindle is from where the axis wants it, as the way of the axis [mm].
-  double error_mm() const noexcept { return error_mm_; }
+  /// The angle that belongs to where the axis is commanded to be.
+  double phase_rad() const noexcept { return phase_of(position_); }
+  bool coupled() const noexcept {
+    return phase_ != Phase::off && phase_ != Phase::wait && phase_ != Phase::trim;
+  }
   /// Deepest the axis has been beyond `bottom` [mm]; 0: never.
   double beyond_mm() const noexcept { return beyond_mm_; }
 
  private:
   enum class Phase : std::uint8_t { off, wait, in, dwell, out, trim, stopping };
 
-  void step_rigid(SimulatedSpindle& spindle) noexcept;
+  void step_rigid(SimulatedSpindle& spindle, double gain_per_s) noexcept;
   void step_follows(SimulatedSpindle& spindle) noexcept;
   double inward() const noexcept { return order_.bottom < order_.start ? -1 : 1; }
   double phase_of(double position) const noexcept;
@@ -68,7 +74,7 @@ class TapRun {
   double origin_ = 0, origin_phase_ = 0;  // where axis and spindle were coupled
   double dwell_left_ = 0;
   bool stop_given_ = false, in_hole_ = false;
-  double error_mm_ = 0, beyond_mm_ = 0;
+  double beyond_mm_ = 0;
 };
 
 }  // namespace headstock::axes

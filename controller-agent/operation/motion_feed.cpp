@@ -174,13 +174,14 @@ std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operati
   return overtravel;
 }
 
-void MotionFeed::add_manual(const motion::Move& move) {
-  motion::Move whole = move;
-  whole.exact_stop = true;
-  whole.tag = last_tag_ = tags_.append().tag;
-  position_ = end_of(whole);
-  held_back_ = whole;
-  finish();
+std::uint64_t MotionFeed::add_tag(const interp::Motion& motion, std::uint64_t main_offset) {
+  SegmentState& entry = tags_.append();
+  entry.at = motion.at;
+  entry.modal = motion.modal;
+  entry.main_offset = main_offset;
+  entry.cycle = motion.cycle;
+  entry.cutting = true;
+  return entry.tag;
 }
 
 void MotionFeed::flush() {

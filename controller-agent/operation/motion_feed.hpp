@@ -54,8 +54,8 @@ class MotionFeed {
   /// Called with every move as the kernel gets it. For virtual time: judging the commanded path.
   void on_move(std::function<void(const motion::Move&)> observer) { observer_ = std::move(observer); }
 
-  /// A move by hand, from where the axes stand: no block, no rounding. Precondition: has_room().
-  void add_manual(const motion::Move& move);
+  /// What rides on a tap, which the kernel does not carry out. Precondition: has_room().
+  std::uint64_t add_tag(const interp::Motion& motion, std::uint64_t main_offset);
 
   /// Tag of the last move handed over; 0 when none since set_position().
   std::uint64_t last_tag() const { return last_tag_; }

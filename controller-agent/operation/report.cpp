@@ -107,7 +107,9 @@ Live Controller::Impl::live() {
     if (code >= 0) live.modal.push_back(g_code_name(code));
   live.tool = modal.tool;
   live.offset = modal.offset;
-  const AxisVector shown = realtime.machine_lock ? now.sample.position : now.actual;
+  AxisVector shown = realtime.machine_lock ? now.sample.position : now.actual;
+  for (std::size_t i = 0; i < machine.axes.size(); ++i)
+    if ((realtime.axis_lock.load() >> i & 1) != 0) shown[i] = now.sample.position[i];
   live.machine = shown;
   live.absolute = live.relative = interpreter.to_work(shown, modal);
   for (std::size_t i = 0; i < machine.axes.size(); ++i) {
@@ -147,6 +149,11 @@ Live Controller::Impl::live() {
   live.periods = now.periods;
   live.overruns = realtime.overruns;
   live.message = message;
+  live.axis_lock = realtime.axis_lock;
+  live.homed = realtime.homed;
+  live.manual_absolute = manual_absolute;
+  live.displaced = displaced();
+  live.tap_in_hole = now.tap_in_hole;
   live.coolant = now.machine.coolant || now.machine.mist;
   return live;
 }
