@@ -396,6 +396,10 @@ bool Kernel::can_push() const {
   return impl_->moves.room(impl_->moves_written) > 0;
 }
 
+std::size_t Kernel::room() const {
+  return static_cast<std::size_t>(impl_->moves.room(impl_->moves_written));
+}
+
 void Kernel::push(const Move& move) {
   impl_->finished = false;
   impl_->push(move);

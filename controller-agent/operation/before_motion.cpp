@@ -1,11 +1,13 @@
 // What must be known before an axis moves: a thread or a tap that the axes cannot follow, a forbidden zone,
 // an axis without a reference point, an axis that is not the program's.
 #include <cmath>
+#include <utility>
 
 #include "axes/travel_limits.hpp"
 #include "operation/controller_impl.hpp"
 #include "operation/fault_alarm.hpp"
 #include "operation/motion_alarm.hpp"
+#include "operation/path_length.hpp"
 
 namespace headstock::operation {
 namespace {
@@ -47,13 +49,17 @@ std::optional<MachineAlarm> Controller::Impl::before_motion(const interp::Operat
   const bool check_first = data.bit(kCheckBeforeMove);
   const bool third = has_third_zone();
   if (!zone && !third && !thread && !check_first) return std::nullopt;
-  const motion::Move move = feed.make(taken);
-  if (const auto entered = forbidden(from, move.geometry)) return entered;
-  if (check_first) {
-    if (const auto over = axes::find_overtravel(machine, from, move.geometry))
-      return before_move_alarm(over->positive);
+  AxisVector begin = from;
+  for (const motion::Move& part : feed.moves(taken)) {
+    if (const auto entered = forbidden(begin, part.geometry)) return entered;
+    if (check_first) {
+      if (const auto over = axes::find_overtravel(machine, begin, part.geometry))
+        return before_move_alarm(over->positive);
+    }
+    begin = end_of(part);
   }
   if (thread == nullptr) return std::nullopt;
+  const motion::Move move = feed.make(taken);
   const auto& cut = std::get<motion::ThreadFeed>(move.feed);
   return thread_alarm(machine, from, move, cut, std::abs(realtime.state().spindle_commanded_rpm));
 }
@@ -123,17 +129,42 @@ void Controller::Impl::take_tap(const interp::Tap& tap) {
 
 /// The axes stand where the tap has come out; the kernel does not know it yet when that is another place.
 void Controller::Impl::tap_done() {
-  if (last_tap.end == last_tap.start) return;
+  if (last_tap.end != last_tap.start) park();
+}
+
+void Controller::Impl::park() {
   await = Await::park;
   realtime.request_park();
 }
 
+/// G51.2, G50.2: PS5018 when the tool axis cannot turn that fast (0i-D L72940).
+void Controller::Impl::take_polygon(const interp::PolygonTurning& polygon) {
+  const std::size_t axis = machine.axis_index(machine.polygon_axis).value_or(0);
+  const double ratio = static_cast<double>(polygon.tool_ratio) / polygon.spindle_ratio;
+  const double rpm = std::abs(realtime.state().spindle_commanded_rpm);
+  if (polygon.on && rpm * std::abs(ratio) * 360 > machine.axes[axis].max_feed_mm_min)
+    return stop_with(polygon_alarm(), polygon.at, {});
+  polygon_on = polygon.on;
+  Interlude interlude;
+  interlude.kind = Interlude::Kind::polygon;
+  interlude.polygon = {polygon.on, axis, ratio};
+  post(Await::polygon, interlude);
+}
+
 bool Controller::Impl::work_park() {
   if (!realtime.parked()) return false;
-  const AxisVector standing = realtime.state().base;
+  const RealtimeState& now = realtime.state();
+  AxisVector standing = now.base;
+  std::uint32_t marks = 0;
+  if (std::exchange(polygon_let_go, false)) {  // less the whole turns it has made
+    const std::size_t axis = machine.axis_index(machine.polygon_axis).value_or(0);
+    standing[axis] = std::remainder(now.sample.position[axis] - now.hand_offset[axis], 360.0);
+    marks = 1u << axis;
+    interpreter.set_position(standing);
+  }
   kernel.set_position(standing);
   feed.set_position(standing);
-  realtime.unpark(standing, 0);
+  realtime.unpark(standing, 0, marks);
   await = Await::nothing;
   return true;
 }

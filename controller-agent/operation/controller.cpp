@@ -311,6 +311,7 @@ CommandResult Controller::Impl::start_run(Selection& chosen) {
   kernel.set_position(standing);
   feed.set_position(standing);
   interpreter.start(windowed(std::move(source), main_window), feed.position());
+  realtime.rapid_f0 = rapid_f0();
   feed.set_rules({dry_run, data.parameter("1410", FeedRules{}.dry_run_mm_min)});
   clear_alarms(true);
   message.clear();
@@ -329,6 +330,17 @@ CommandResult Controller::Impl::start_run(Selection& chosen) {
   emit(RunStarted{++retained.last_run, chosen.name, chosen.revision_hash});
   if (&chosen == &mdi_block) mdi_block.memory.reset();  // once
   return accepted();
+}
+
+/// F0 (0i-D No. 1421): the slowest of the axes' rates, as a part of the rapid rate. 0 without the parameter:
+/// the axes stand.
+double Controller::Impl::rapid_f0() const {
+  double least = 1;
+  for (const machine::Axis& axis : machine.axes) {
+    const double all = data.parameter("1421");
+    least = std::min(least, data.parameter(std::string("1421/") + axis.name, all) / axis.rapid_mm_min);
+  }
+  return std::clamp(least, 0.0, 1.0);
 }
 
 CommandResult Controller::Impl::reset() {
@@ -519,6 +531,9 @@ void Controller::count_overruns(std::uint64_t periods) noexcept {
 }
 const motion::Sample& Controller::sample() const noexcept {
   return impl_->realtime.now().sample;
+}
+axes::SimulatedSpindle& Controller::spindle() noexcept {
+  return impl_->realtime.spindle();
 }
 double Controller::spindle_rpm() const noexcept {
   return impl_->realtime.now().spindle_rpm;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "axes/drive.hpp"
+#include "axes/spindle.hpp"
 #include "interpreter/interpreter.hpp"
 #include "machine/machine.hpp"
 #include "motion/kernel.hpp"
@@ -255,6 +256,8 @@ class Controller {
   /// The period just made.
   const motion::Sample& sample() const noexcept;
   double spindle_rpm() const noexcept;
+  /// Turned since the start, not reduced to one turn; with its faults (load) for tests.
+  axes::SimulatedSpindle& spindle() noexcept;
   /// Is the segment being traced a cutting one?
   bool cutting() const noexcept;
   /// Block of the segment being traced.

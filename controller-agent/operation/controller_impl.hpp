@@ -23,6 +23,7 @@ enum class Await : std::uint8_t {
   function,  ///< M, S, T finished
   dwell,
   tap,           ///< the tap is out again
+  polygon,       ///< the tool axis is coupled to the spindle, or let go
   park,          ///< the kernel is to be given the position that a tap ended at
   skip,          ///< G31 over: by its signal or at its end
   block_stop,    ///< single block: the axes stand at the block's end
@@ -66,6 +67,7 @@ struct Controller::Impl {
   CommandResult start_run(Selection& chosen);
   CommandResult resume();
   void go_on();
+  double rapid_f0() const;
   bool busy() const {
     return phase == Phase::running || phase == Phase::stopped || phase == Phase::aborting ||
            phase == Phase::manual;
@@ -114,7 +116,9 @@ struct Controller::Impl {
   bool has_third_zone() const;
   std::optional<MachineAlarm> forbidden(const AxisVector& from,
                                         const std::variant<motion::Line, motion::Arc>& geometry) const;
+  void take_polygon(const interp::PolygonTurning& polygon);
   void tap_done();
+  void park();
   bool work_park();
   void machine_fault(const axes::Fault& fault);
   void skip_over();
@@ -169,6 +173,7 @@ struct Controller::Impl {
   const bool skip_input;
   std::optional<axes::Zone> zone;  // stored stroke check 2, when on
   axes::TapOrder last_tap;
+  bool polygon_on = false, polygon_let_go = false;
   Retained retained;
   std::vector<ActiveAlarm> alarms;
   std::string message;

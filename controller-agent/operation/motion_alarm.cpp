@@ -118,6 +118,10 @@ std::optional<MachineAlarm> tap_alarm(const machine::Machine& machine, std::size
   return std::nullopt;
 }
 
+MachineAlarm polygon_alarm() {
+  return {"PS5018", "Polygon spindle speed error", "多边形主轴速度错误"};
+}
+
 MachineAlarm tap_across_alarm() {
   return {"HS0030", "A tap moves along one axis only", "攻丝只能沿一个轴"};
 }

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "axes/travel_limits.hpp"
 #include "interpreter/canonical.hpp"
@@ -37,10 +38,15 @@ class MotionFeed {
   void set_rules(const FeedRules& rules) { rules_ = rules; }
 
   /// Room for one more move? `traced`: tag being traced.
-  bool has_room(std::uint64_t traced) const { return kernel_.can_push() && tags_.has_room(traced); }
+  bool has_room(std::uint64_t traced) const {
+    return kernel_.room() >= machine::kMaxAxes && tags_.has_room(traced);
+  }
 
   /// The kernel's move for an operation; nothing is handed over. Precondition: is_motion().
   motion::Move make(const interp::Operation& operation) const;
+  /// The moves of an operation: several for a positioning that is not interpolated (0i-D No. 1401#1 = 0),
+  /// where every axis goes at its own rapid rate until it is there; otherwise one.
+  std::vector<motion::Move> moves(const interp::Operation& operation) const;
   /// Hands a move to the kernel. Precondition: has_room(), is_motion().
   /// @return what limit it would pass: then only the part before the limit has been handed over, with a stop
   /// at its end.

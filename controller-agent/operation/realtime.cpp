@@ -44,6 +44,7 @@ Realtime::Realtime(const machine::Machine& machine, motion::Kernel& kernel, cons
       supervision_(machine),
       ramp_(machine, period_s_),
       tap_(machine, period_s_),
+      polygon_(machine, period_s_),
       hand_(machine, period_s_) {
   state_.actual = drive_->actual();
   mechanics_.set_position(state_.actual);
@@ -89,6 +90,7 @@ void Realtime::step() noexcept {
     functions_->reset();
     tap_.stop();
     hand_.stop();
+    polygon_.set({}, spindle_.spindle().phase_rad(), spindle_.spindle().rpm());
     watch_.set({});
   }
   const std::uint64_t before_release = release_seen_;
@@ -131,6 +133,8 @@ void Realtime::step() noexcept {
 
 void Realtime::end_beside() noexcept {
   hand_.clear(~0u);
+  polygon_.drop();
+  polygon_.clear();
   tap_shown_ = false;
   tripped_ = in_fault_ = false;
   ramp_.end();
@@ -149,15 +153,18 @@ void Realtime::step_kernel() noexcept {
     unpark_seen_ = park;
     hand_.clear(park_taken_over_);
     hand_.homed_seen();
+    polygon_.clear();
     tap_shown_ = false;
     if (park_marks_ != 0) {
       mechanics_.set_position(park_position_);
       const AxisVector called = mechanics_.to_motors(park_position_);
       AxisVector motors = drive_->actual();
-      for (std::size_t i = 0; i < axes_; ++i)
-        if ((park_marks_ >> i & 1) != 0) motors[i] = called[i];
+      for (std::size_t i = 0; i < axes_; ++i) {
+        if ((park_marks_ >> i & 1) == 0) continue;
+        motors[i] = called[i];
+        commanded_[i] = park_position_[i];
+      }
       drive_->set_position(motors);
-      commanded_ = park_position_;
       supervision_.restart();
     }
   }
@@ -167,6 +174,10 @@ void Realtime::step_kernel() noexcept {
   const motion::Overrides wanted = overrides();
   state_.go = wanted.go;
   state_.sample = kernel_.step(wanted, spindle_.spindle().phase_rad(), std::abs(spindle_.spindle().rpm()));
+  // Of the block, which may be several moves of the kernel.
+  if (const SegmentState& segment = tags_.find(state_.sample.tag); segment.has_end)
+    for (std::size_t i = 0; i < axes_; ++i)
+      state_.sample.distance_to_go[i] = segment.end[i] - state_.sample.position[i];
   state_.base = state_.sample.position;
   state_.kernel_moving = state_.sample.moving;
 }
@@ -176,6 +187,8 @@ void Realtime::step_beside(bool emergency) noexcept {
   if (tap_.running()) tap_.step(spindle_.spindle(), drive_->position_gain(tap_.axis()));
   if (tap_shown_) state_.base[tap_.axis()] = tap_.position();
   AxisVector position = state_.base;
+  polygon_.step(spindle_.spindle().phase_rad());
+  position[polygon_.axis()] += polygon_.offset_deg();
   hand_.step(state_.base, feed_override.load(std::memory_order_relaxed),
              rapid_override.load(std::memory_order_relaxed), *drive_);
   for (std::size_t i = 0; i < axes_; ++i) position[i] += hand_.offset(i);
@@ -200,11 +213,13 @@ void Realtime::step_beside(bool emergency) noexcept {
     stands = false;
   }
   drives_on_ = !tripped_ && !(emergency && stands);
-  state_.sample.moving = state_.kernel_moving || tap_.running() || hand_.moving() || !stands;
+  state_.sample.moving =
+      state_.kernel_moving || tap_.running() || hand_.moving() || polygon_.moving() || !stands;
   if (tap_.running()) state_.sample.tag = posted_interlude_.tag;
   for (std::size_t i = 0; i < axes_; ++i) {
     velocity_[i] = (position[i] - commanded_[i]) / period_s_;
-    if (tap_.running() || hand_.moving() || ramping) state_.sample.velocity[i] = velocity_[i];
+    if (tap_.running() || hand_.moving() || polygon_.moving() || ramping)
+      state_.sample.velocity[i] = velocity_[i];
   }
   if (tap_.running()) {
     const double to = tap_.position() - tap_.order().end;
@@ -276,8 +291,9 @@ motion::Overrides Realtime::overrides() const noexcept {
   motion::Overrides now;
   now.feed = segment.fixed_feed ? 1 : feed_override.load(std::memory_order_relaxed);
   now.rapid = rapid_override.load(std::memory_order_relaxed);
+  if (now.rapid == 0) now.rapid = rapid_f0.load(std::memory_order_relaxed);
   now.hold = hold.load(std::memory_order_relaxed) && !segment.not_held;
-  now.single_block = single_block.load(std::memory_order_relaxed);
+  now.single_block = single_block.load(std::memory_order_relaxed) && !segment.no_single_block;
   now.go = go.load(std::memory_order_relaxed);
   now.skip_signal = (segment.skip_signals & skip_signals.load(std::memory_order_relaxed)) != 0;
   return now;
@@ -313,6 +329,9 @@ void Realtime::begin(const Interlude& interlude) noexcept {
     case Interlude::Kind::watch:
       watch_.set(interlude.watch);
       break;
+    case Interlude::Kind::polygon:
+      polygon_.set(interlude.polygon, spindle_.spindle().phase_rad(), spindle_.spindle().rpm());
+      break;
     case Interlude::Kind::meeting:
     case Interlude::Kind::dwell:
       break;
@@ -325,7 +344,9 @@ bool Realtime::finished() noexcept {
     case Interlude::Kind::watch:
       return true;
     case Interlude::Kind::function:
-      return functions_->finished();
+      return posted_interlude_.not_awaited || functions_->finished();
+    case Interlude::Kind::polygon:
+      return polygon_.settled();
     case Interlude::Kind::tap:
       if (tap_.running() || !state_.in_position) return false;
       if (!tap_.order().follows)
@@ -358,8 +379,10 @@ void Realtime::step_interlude() noexcept {
                             (posted_interlude_.after_tag == 0 || posted_interlude_.after_tag == sample.tag);
     const bool moves_done = planned_.load(std::memory_order_acquire) == posted && !state_.kernel_moving &&
                             (all_traced || sample.skipped);
-    if (!moves_done || sample.block_stopped || !state_.in_position || hold.load(std::memory_order_relaxed))
-      return;
+    if (!moves_done || sample.block_stopped || !state_.in_position) return;
+    if (hold.load(std::memory_order_relaxed) && !posted_interlude_.not_held) return;
+    // The function before may still be under way when the program did not wait for it.
+    if (posted_interlude_.kind == Interlude::Kind::function && !functions_->finished()) return;
     if (stands_before(posted)) return;
     begun_ = posted;
     begin(posted_interlude_);

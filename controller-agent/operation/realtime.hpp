@@ -17,6 +17,7 @@
 #include "axes/drive.hpp"
 #include "axes/emergency_ramp.hpp"
 #include "axes/mechanics.hpp"
+#include "axes/polygon.hpp"
 #include "axes/supervision.hpp"
 #include "axes/tap_run.hpp"
 #include "machine/machine.hpp"
@@ -36,7 +37,8 @@ struct Interlude {
     dwell,     ///< for `seconds` and `revolutions`
     function,  ///< `request` to the machine until it is finished
     tap,       ///< `tap`, in and out
-    watch      ///< `watch` from now on
+    watch,     ///< `watch` from now on
+    polygon    ///< coupled or let go
   };
   Kind kind = Kind::meeting;
   double seconds = 0, revolutions = 0;
@@ -47,6 +49,10 @@ struct Interlude {
   axes::TapOrder tap;
   std::uint64_t tag = 0;  ///< tap: what rides on it
   axes::SpindleWatch::Order watch;
+  axes::Polygon::Order polygon;
+  // What #3003 and #3004 say in this block.
+  bool not_held = false;     ///< feed hold does not keep it from beginning
+  bool not_awaited = false;  ///< the program does not wait for the function to be finished
 };
 
 /// One period's outcome, for screens and for the look-ahead.
@@ -81,6 +87,7 @@ class Realtime {
 
   // ---- switches, any thread
   std::atomic<double> feed_override{1}, rapid_override{1}, spindle_override{1};
+  std::atomic<double> rapid_f0{0};   ///< of the rapid rate, at a rapid override of 0 (F0)
   std::atomic<bool> hold{false};     ///< feed hold
   std::atomic<bool> running{false};  ///< counts run time
   std::atomic<bool> single_block{false};
@@ -164,6 +171,7 @@ class Realtime {
   axes::SpindleWatch watch_;
   axes::EmergencyRamp ramp_;
   axes::TapRun tap_;
+  axes::Polygon polygon_;
   Hand hand_;
 
   Interlude posted_interlude_;

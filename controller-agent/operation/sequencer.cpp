@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "operation/controller_impl.hpp"
+#include "operation/macro_control.hpp"
 #include "operation/overtravel_alarm.hpp"
 #include "operation/unsupported.hpp"
 
@@ -128,7 +129,8 @@ void Controller::Impl::pull_operations() {
       if (observer) observer(operation);
     }
     const interp::SourcePosition& at = position_of(operation);
-    if (single_block && last_block.line != 0 && blocks_differ(last_block, at)) {
+    if (single_block && !MacroControl(interpreter.macro_control()).no_single_block && last_block.line != 0 &&
+        blocks_differ(last_block, at)) {
       last_block = {};
       post(Await::block_stop, {});
       return;
@@ -201,6 +203,8 @@ void Controller::Impl::take(const interp::Operation& taken) {
     interlude.kind = Interlude::Kind::watch;
     interlude.watch = {watch->on, watch->delay_s, watch->reached_ratio, watch->ratio, watch->width_rpm};
     post(Await::function, interlude);
+  } else if (const auto* polygon = std::get_if<interp::PolygonTurning>(&taken)) {
+    take_polygon(*polygon);
   } else if (const auto* check = std::get_if<interp::StrokeCheck>(&taken)) {
     zone.reset();
     if (check->on && check->axes != 0)
@@ -241,6 +245,10 @@ void Controller::Impl::skip_over() {
 void Controller::Impl::post(Await what, Interlude interlude) {
   interlude.new_block = new_block && (what == Await::function || what == Await::dwell || what == Await::tap ||
                                       what == Await::program_stop || what == Await::end);
+  const MacroControl control(interpreter.macro_control());
+  interlude.new_block = interlude.new_block && !control.no_single_block;
+  interlude.not_held = control.no_hold;
+  interlude.not_awaited = control.no_wait;
   feed.finish();
   interlude.after_tag = feed.last_tag();
   await = what;
@@ -258,6 +266,10 @@ void Controller::Impl::interlude_done() {
       return;
     case Await::tap:
       tap_done();
+      return;
+    case Await::polygon:
+      polygon_let_go = !polygon_on;
+      if (polygon_let_go) park();
       return;
     case Await::skip:
       skip_over();
