@@ -169,6 +169,12 @@ bool Controller::Impl::work_park() {
   return true;
 }
 
+/// A stop comes before the kernel has got its new position: it has to be stepped to come to rest.
+void Controller::Impl::drop_park() {
+  if (parking || await == Await::park) realtime.cancel_park();
+  parking = false;
+}
+
 /// The supervision has stopped the machine: the alarm of this controller, and RESET before anything moves.
 void Controller::Impl::machine_fault(const axes::Fault& fault) {
   const MachineAlarm alarm = fault_alarm(machine.profile, fault, machine.axes[fault.axis].name);
@@ -182,7 +188,8 @@ void Controller::Impl::machine_fault(const axes::Fault& fault) {
         last_block, alarm);
   armed = false;
   finish_run("alarm");
-  returning = parking = false;
+  drop_park();
+  returning = false;
   phase = Phase::aborting;
   realtime.request_abort();
 }

@@ -349,7 +349,9 @@ CommandResult Controller::Impl::reset() {
   if (!emergency) clear_alarms(false);
   finish_run("reset");
   message.clear();
-  returning = parking = false;
+  trip_reset = tripped && !emergency;
+  drop_park();
+  returning = false;
   phase = Phase::aborting;
   realtime.request_abort();
   return accepted();
@@ -361,7 +363,8 @@ CommandResult Controller::Impl::emergency_stop() {
   emergency = true;
   armed = false;
   finish_run("reset");
-  returning = parking = releasing = false;
+  drop_park();
+  returning = releasing = false;
   phase = Phase::aborting;
   realtime.request_abort();
   return accepted();

@@ -120,6 +120,7 @@ struct Controller::Impl {
   void tap_done();
   void park();
   bool work_park();
+  void drop_park();
   void machine_fault(const axes::Fault& fault);
   void skip_over();
 
@@ -156,8 +157,9 @@ struct Controller::Impl {
   bool parking = false;          // by hand: the kernel is being given the new position
   bool returning = false;        // to where a hand has taken the axes from
   bool manual_absolute = true;
-  bool tripped = false;    // a fault has switched the drives off; RESET switches them on
-  bool releasing = false;  // the emergency stop, once the measured position is taken over
+  bool tripped = false;     // a fault has switched the drives off …
+  bool trip_reset = false;  // … RESET switches them on, once the measured position is taken over
+  bool releasing = false;   // the emergency stop, once the measured position is taken over
   std::uint32_t faults_seen = 0;
   bool resume_with_go = false;      // the program stands at a stop, not in feed hold
   AxisVector hand_goal{};           // where hands have sent the axes

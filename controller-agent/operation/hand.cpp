@@ -70,7 +70,7 @@ void Hand::take_orders(const AxisVector& base) noexcept {
 
 // Manual reference return over a dog (0i-D III-3.1): rapid until the dog is touched, slowed down on it, at
 // the creep speed off it, on to the next zero mark of the encoder.
-void Hand::step_homing(std::size_t axis, const axes::Drive& drive) noexcept {
+void Hand::step_homing(std::size_t axis, double base, const axes::Drive& drive) noexcept {
   const double sense = negative_[axis] ? -1 : 1;
   switch (homing_[axis]) {
     case Homing::off:
@@ -80,12 +80,19 @@ void Hand::step_homing(std::size_t axis, const axes::Drive& drive) noexcept {
       return;
     case Homing::slow_down:
       orders_[axis].speed_mm_s = creep_mm_s_[axis];
-      orders_[axis].rapid = false;
+      if (!drive.dog(axis)) {
+        failed_ |= 1u << axis;
+        orders_[axis].kind = HandOrder::Kind::stop;
+        homing_[axis] = Homing::off;
+        motion_[axis].stop();
+        return;
+      }
       if (std::abs(motion_[axis].velocity()) <= creep_mm_s_[axis] * 1.001) homing_[axis] = Homing::creep;
       return;
     case Homing::creep:
       if (drive.dog(axis)) return;
-      goal_[axis] = motion_[axis].position() + drive.way_to_mark(axis, sense);
+      // From where the slide is measured, which lags behind the command.
+      goal_[axis] = drive.actual()[axis] - base + drive.way_to_mark(axis, sense);
       // Too near to stop at: the one after it.
       if (std::abs(goal_[axis] - motion_[axis].position()) < motion_[axis].stopping_way())
         goal_[axis] += sense * drive.mark_distance(axis);
@@ -110,7 +117,7 @@ void Hand::step(const AxisVector& base, double feed_override, double rapid_overr
         (order.kind == HandOrder::Kind::stop || motion_[i].position() == goal_[i]))
       continue;
     busy_ |= 1u << i;
-    step_homing(i, drive);
+    step_homing(i, base[i], drive);
     // The creep to the zero mark is what finds it: no override changes it.
     const bool fixed = homing_[i] > Homing::search;
     const double factor = fixed ? 1 : order.rapid ? rapid_override : feed_override;
@@ -121,6 +128,7 @@ void Hand::step(const AxisVector& base, double feed_override, double rapid_overr
 }
 
 void Hand::stop() noexcept {
+  homed_ = failed_ = 0;
   for (std::size_t i = 0; i < axes_; ++i) {
     orders_[i].kind = HandOrder::Kind::stop;
     homing_[i] = Homing::off;

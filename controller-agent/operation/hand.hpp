@@ -58,7 +58,9 @@ class Hand {
   std::uint64_t taken() const noexcept { return taken_; }
   /// Axes whose search for the zero mark has ended on it and whose coordinate is to be set.
   std::uint32_t homed() const noexcept { return homed_; }
-  void homed_seen() noexcept { homed_ = 0; }
+  /// Axes that have left the dog before they were slow: it is too short for their speed, and no mark is safe.
+  std::uint32_t failed() const noexcept { return failed_; }
+  void homed_seen() noexcept { homed_ = failed_ = 0; }
 
  private:
   enum class Homing : std::uint8_t { off, search, slow_down, creep, mark };
@@ -69,7 +71,7 @@ class Hand {
     std::atomic<bool> rapid{false};
   };
   void take_orders(const AxisVector& base) noexcept;
-  void step_homing(std::size_t axis, const axes::Drive& drive) noexcept;
+  void step_homing(std::size_t axis, double base, const axes::Drive& drive) noexcept;
 
   std::size_t axes_;
   std::array<double, machine::kMaxAxes> creep_mm_s_{};
@@ -84,7 +86,7 @@ class Hand {
   std::array<axes::PointMotion, machine::kMaxAxes> motion_;  // of the offset
   std::array<double, machine::kMaxAxes> goal_{};             // offset to reach
   std::uint64_t taken_ = 0;
-  std::uint32_t homed_ = 0;
+  std::uint32_t homed_ = 0, failed_ = 0;
   std::uint32_t busy_ = 0;
   bool moving_ = false;
 };

@@ -8,6 +8,7 @@
 
 #include "axes/travel_limits.hpp"
 #include "operation/controller_impl.hpp"
+#include "operation/motion_alarm.hpp"
 
 namespace headstock::operation {
 namespace {
@@ -233,6 +234,11 @@ bool Controller::Impl::take_over_hands() {
   feed.set_position(standing);
   interpreter.set_position(standing);
   realtime.homed |= now.marks_found;
+  for (std::size_t i = 0; i < machine.axes.size(); ++i)
+    if ((now.home_failed >> i & 1) != 0) {
+      const MachineAlarm alarm = homing_alarm();
+      raise(std::string(alarm.code), std::string(1, machine.axes[i].name), {}, alarm);
+    }
   realtime.unpark(standing, ~plc_axes, now.marks_found);
   hand_moving = hand_stopped = 0;
   return true;

@@ -118,6 +118,10 @@ std::optional<MachineAlarm> tap_alarm(const machine::Machine& machine, std::size
   return std::nullopt;
 }
 
+MachineAlarm homing_alarm() {
+  return {"PS0090", "Reference return incomplete: too fast for the dog", "返回参考点未完成：减速挡块过短"};
+}
+
 MachineAlarm polygon_alarm() {
   return {"PS5018", "Polygon spindle speed error", "多边形主轴速度错误"};
 }

@@ -31,6 +31,8 @@ std::optional<MachineAlarm> axis_alarm(const machine::Machine& machine, std::siz
 /// 182), lead × speed above the feed of the axis (GSK 2000TC 011, K2000TC SV3), no speed at all.
 std::optional<MachineAlarm> tap_alarm(const machine::Machine& machine, std::size_t axis, double pitch_mm,
                                       double rpm, bool rigid);
+/// Reference return has found no safe zero mark (0i-D PS0090).
+MachineAlarm homing_alarm();
 /// Polygon turning faster than the tool axis turns (0i-D PS5018).
 MachineAlarm polygon_alarm();
 /// A tap along more than one axis.

@@ -72,9 +72,15 @@ void Realtime::request_park() {
 }
 
 void Realtime::unpark(const AxisVector& position, std::uint32_t taken_over, std::uint32_t marks) {
+  park_cancelled_ = false;
   park_position_ = position;
   park_taken_over_ = taken_over;
   park_marks_ = marks;
+  unparked_.store(park_.load(std::memory_order_relaxed), std::memory_order_release);
+}
+
+void Realtime::cancel_park() {
+  park_cancelled_ = true;
   unparked_.store(park_.load(std::memory_order_relaxed), std::memory_order_release);
 }
 
@@ -124,6 +130,7 @@ void Realtime::step() noexcept {
   state_.hand_busy = hand_.busy();
   state_.hand_orders = hand_.taken();
   state_.marks_found = hand_.homed();
+  state_.home_failed = hand_.failed();
   for (std::size_t i = 0; i < axes_; ++i) state_.hand_offset[i] = hand_.offset(i);
   state_.tap_in_hole = tap_.in_hole();
   state_.contour = spindle_.contour_ready();
@@ -133,11 +140,31 @@ void Realtime::step() noexcept {
 
 void Realtime::end_beside() noexcept {
   hand_.clear(~0u);
+  hand_.homed_seen();
   polygon_.drop();
   polygon_.clear();
   tap_shown_ = false;
   tripped_ = in_fault_ = false;
   ramp_.end();
+  supervision_.restart();
+}
+
+/// Nothing is beside the kernel any more but what others still move.
+void Realtime::take_new_position() noexcept {
+  hand_.clear(park_taken_over_);
+  hand_.homed_seen();
+  polygon_.clear();
+  tap_shown_ = false;
+  if (park_marks_ == 0) return;
+  mechanics_.set_position(park_position_);
+  const AxisVector called = mechanics_.to_motors(park_position_);
+  AxisVector motors = drive_->actual();
+  for (std::size_t i = 0; i < axes_; ++i) {
+    if ((park_marks_ >> i & 1) == 0) continue;
+    motors[i] = called[i];
+    commanded_[i] = park_position_[i];
+  }
+  drive_->set_position(motors);
   supervision_.restart();
 }
 
@@ -151,22 +178,7 @@ void Realtime::step_kernel() noexcept {
     if (unparked_.load(std::memory_order_acquire) != park)
       return;  // the kernel is being given a new position
     unpark_seen_ = park;
-    hand_.clear(park_taken_over_);
-    hand_.homed_seen();
-    polygon_.clear();
-    tap_shown_ = false;
-    if (park_marks_ != 0) {
-      mechanics_.set_position(park_position_);
-      const AxisVector called = mechanics_.to_motors(park_position_);
-      AxisVector motors = drive_->actual();
-      for (std::size_t i = 0; i < axes_; ++i) {
-        if ((park_marks_ >> i & 1) == 0) continue;
-        motors[i] = called[i];
-        commanded_[i] = park_position_[i];
-      }
-      drive_->set_position(motors);
-      supervision_.restart();
-    }
+    if (!park_cancelled_) take_new_position();
   }
   const bool resting_after_abort = stopped_.load(std::memory_order_relaxed) == abort_seen_ &&
                                    released_.load(std::memory_order_acquire) != abort_seen_;
@@ -194,6 +206,7 @@ void Realtime::step_beside(bool emergency) noexcept {
   for (std::size_t i = 0; i < axes_; ++i) position[i] += hand_.offset(i);
   mechanics_.couple(position);
   const bool ramping = emergency || tripped_ || in_fault_;
+  if (!ramping) ramp_.end();
   bool stands = true;
   if (ramping) {
     if (!ramp_.active()) {

@@ -74,6 +74,7 @@ struct RealtimeState {
   std::uint64_t hand_orders = 0;  ///< taken up
   AxisVector hand_offset{};       ///< what hands and ladder have added to `base`
   std::uint32_t marks_found = 0;  ///< axes that stand on their zero mark after reference return, to be set
+  std::uint32_t home_failed = 0;  ///< axes whose search for the zero mark has failed
   bool tap_in_hole = false;       ///< a tap was stopped in its hole
   bool contour = false;           ///< the spindle is the Cs axis
   axes::Fault fault;
@@ -127,6 +128,8 @@ class Realtime {
   /// The kernel has got `position`. @param taken_over axes whose offset by hand is part of it now
   /// @param marks axes that stand on their zero mark and are called `position` from now on
   void unpark(const AxisVector& position, std::uint32_t taken_over, std::uint32_t marks = 0);
+  /// The kernel keeps its position after all; what is beside it stays beside it.
+  void cancel_park();
   Hand& hand() { return hand_; }
 
   /// One reader at a time (the controller's lock).
@@ -142,6 +145,7 @@ class Realtime {
  private:
   void step_interlude() noexcept;
   void step_kernel() noexcept;
+  void take_new_position() noexcept;
   void step_beside(bool emergency) noexcept;
   void step_spindle(bool emergency) noexcept;
   void step_drives(bool locked, bool emergency) noexcept;
@@ -180,6 +184,7 @@ class Realtime {
   std::atomic<std::uint64_t> park_{0}, parked_{0}, unparked_{0};
   AxisVector park_position_{};
   std::uint32_t park_marks_ = 0, park_taken_over_ = 0;
+  bool park_cancelled_ = false;
 
   // real-time thread only
   RealtimeState state_;

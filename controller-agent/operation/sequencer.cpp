@@ -353,8 +353,11 @@ void Controller::Impl::after_abort() {
   // Only now, when the commanded position is the measured one again, may the drives follow it.
   if (unlocked) realtime.machine_lock = false;
   if (unlocked_axes != 0) realtime.axis_lock &= ~unlocked_axes;
-  if (releasing || tripped) realtime.emergency_stop = emergency;
-  releasing = tripped = unlocked = false;
+  if (releasing || trip_reset) {
+    realtime.emergency_stop = emergency;
+    tripped = false;
+  }
+  releasing = trip_reset = unlocked = false;
   unlocked_axes = 0;
   hand_moving = hand_stopped = 0;
   await = Await::nothing;

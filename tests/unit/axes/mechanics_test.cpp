@@ -12,26 +12,24 @@
 namespace headstock::axes {
 namespace {
 
-constexpr double kPeriod_s = 0.001;
-
-machine::Machine mill() {
+machine::Machine mill_with_screws() {
   machine::Machine machine = *machine::default_machine("fanuc-0i-m");
   machine.period_us = 1000;
   return machine;
 }
 
 TEST(Mechanics, WithoutErrorsMotorsDoWhatTheAxesDo) {
-  Mechanics mechanics(mill(), kPeriod_s);
+  Mechanics mechanics(mill_with_screws(), 0.001);
   AxisVector axes{1.5, -2, 3};
   EXPECT_EQ(mechanics.to_motors(axes), axes);
   EXPECT_EQ(mechanics.to_axes(axes), axes);
 }
 
 TEST(Mechanics, BacklashIsTakenUpOnceOnEachReversalAndSmoothly) {
-  machine::Machine machine = mill();
+  machine::Machine machine = mill_with_screws();
   machine.axes[0].backlash_um = 12;
-  Mechanics mechanics(machine, kPeriod_s);
-  motion::LimitsCheck extra(1, kPeriod_s);
+  Mechanics mechanics(machine, 0.001);
+  motion::LimitsCheck extra(1, 0.001);
   AxisVector axes{};
   mechanics.set_position(axes);
   const auto run = [&](double by_mm, int periods) {
@@ -57,9 +55,9 @@ TEST(Mechanics, BacklashIsTakenUpOnceOnEachReversalAndSmoothly) {
 }
 
 TEST(Mechanics, PitchErrorIsTakenAwayLinearBetweenThePoints) {
-  machine::Machine machine = mill();
+  machine::Machine machine = mill_with_screws();
   machine.axes[1].pitch_error = {{-100, 4}, {0, 0}, {100, -10}};
-  Mechanics mechanics(machine, kPeriod_s);
+  Mechanics mechanics(machine, 0.001);
   AxisVector axes{};
   for (const auto& [at, error_um] :
        {std::pair{-200.0, 4.0}, {-50.0, 2.0}, {0.0, 0.0}, {25.0, -2.5}, {500.0, -10.0}}) {
@@ -69,10 +67,10 @@ TEST(Mechanics, PitchErrorIsTakenAwayLinearBetweenThePoints) {
 }
 
 TEST(Mechanics, BidirectionalPitchErrorHasATableForEachDirection) {
-  machine::Machine machine = mill();
+  machine::Machine machine = mill_with_screws();
   machine.axes[0].pitch_error = {{0, 0}, {100, 10}};
   machine.axes[0].pitch_error_negative = {{0, 6}, {100, 20}};
-  Mechanics mechanics(machine, kPeriod_s);
+  Mechanics mechanics(machine, 0.001);
   AxisVector axes{};
   mechanics.set_position(axes);
   for (int i = 0; i < 500; ++i) {
@@ -89,10 +87,10 @@ TEST(Mechanics, BidirectionalPitchErrorHasATableForEachDirection) {
 }
 
 TEST(Mechanics, AnInclinedAxisRunsLongerAndCarriesThePerpendicularOneAlong) {
-  machine::Machine machine = mill();
+  machine::Machine machine = mill_with_screws();
   machine.axes[1].inclined_deg = 30;
   machine.axes[1].inclined_to = 'Z';
-  Mechanics mechanics(machine, kPeriod_s);
+  Mechanics mechanics(machine, 0.001);
   AxisVector axes{};
   axes[1] = 20;
   axes[2] = 5;
@@ -105,13 +103,13 @@ TEST(Mechanics, AnInclinedAxisRunsLongerAndCarriesThePerpendicularOneAlong) {
 }
 
 TEST(Mechanics, ASynchronousAxisKeepsItsDistanceFromItsMaster) {
-  machine::Machine machine = mill();
+  machine::Machine machine = mill_with_screws();
   machine::Axis slave = machine.axes[1];
   slave.name = 'V';
   slave.follows = 'Y';
   slave.reference_mm = machine.axes[1].reference_mm - 3;
   machine.axes.push_back(slave);
-  Mechanics mechanics(machine, kPeriod_s);
+  Mechanics mechanics(machine, 0.001);
   AxisVector axes{};
   axes[1] = -40;
   mechanics.couple(axes);

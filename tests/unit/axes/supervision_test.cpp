@@ -6,7 +6,7 @@
 namespace headstock::axes {
 namespace {
 
-machine::Machine mill() {
+machine::Machine supervised_mill() {
   machine::Machine machine = *machine::default_machine("fanuc-0i-m");
   machine.axes[0].following_error_mm = 4;
   machine.axes[0].following_error_stopped_mm = 0.5;
@@ -14,7 +14,7 @@ machine::Machine mill() {
 }
 
 TEST(AxisSupervision, TellsMovingFromStanding) {
-  AxisSupervision watch(mill());
+  AxisSupervision watch(supervised_mill());
   AxisVector commanded{}, actual{};
   for (int i = 0; i < 100; ++i) {
     commanded[0] += 0.1;
@@ -29,7 +29,7 @@ TEST(AxisSupervision, TellsMovingFromStanding) {
 }
 
 TEST(AxisSupervision, AtRestTheNarrowLimitCountsOnceItHasSettled) {
-  AxisSupervision watch(mill());
+  AxisSupervision watch(supervised_mill());
   AxisVector commanded{}, actual{};
   actual[0] = 0.6;
   int periods = 0;
@@ -41,7 +41,7 @@ TEST(AxisSupervision, AtRestTheNarrowLimitCountsOnceItHasSettled) {
 }
 
 TEST(AxisSupervision, InPositionIsEachAxisOwnWidth) {
-  machine::Machine machine = mill();
+  machine::Machine machine = supervised_mill();
   machine.axes[1].in_position_um = 5;
   const AxisSupervision watch(machine);
   AxisVector commanded{}, actual{};
@@ -52,7 +52,7 @@ TEST(AxisSupervision, InPositionIsEachAxisOwnWidth) {
 }
 
 TEST(AxisSupervision, SynchronousAxesThatPart) {
-  machine::Machine machine = mill();
+  machine::Machine machine = supervised_mill();
   machine::Axis slave = machine.axes[1];
   slave.name = 'V';
   slave.follows = 'Y';

@@ -19,6 +19,7 @@ machine::Machine with_dog(bool negative) {
   x.dog_width_mm = 20;
   x.grid_mm = 5;
   x.creep_mm_min = 240;
+  x.rapid_mm_min = x.max_feed_mm_min = 6'000;
   x.min_mm = -100;
   x.max_mm = 100;
   return machine;
@@ -60,7 +61,7 @@ TEST(Homing, OverTheDogToTheNextZeroMark) {
           60))
           << standing;
       limits.expect_inside();
-      EXPECT_GT(fastest, 100) << "rapid towards the dog";
+      EXPECT_GT(fastest, 90) << "rapid towards the dog";
       for (int i = 0; i < 500; ++i) bench.period();
       // The first mark behind the dog (80 ± 10, marks every 5).
       EXPECT_NEAR(dog.drive->true_position(0), negative ? -95 : 95, 1e-3) << standing;
@@ -86,6 +87,19 @@ TEST(Homing, TwoReturnsFindTheSamePlaceAndTheSecondGoesThereAtOnce) {
   ASSERT_TRUE(bench.controller.reference_return(0).accepted);
   for (int i = 0; i < 3000; ++i) bench.period();
   EXPECT_NEAR(dog.drive->true_position(0), first, 1e-3);
+}
+
+TEST(Homing, ADogTooShortForTheSpeedIsAnAlarmAndNoReferencePoint) {
+  machine::Machine machine = with_dog(false);
+  machine.axes[0].dog_width_mm = 1;
+  DogBench dog(machine, 0);
+  Bench& bench = dog.bench;
+  dog.mode(Mode::reference);
+  ASSERT_TRUE(bench.controller.reference_return(0).accepted);
+  ASSERT_TRUE(bench.until_state(State::alarm, 30));
+  EXPECT_EQ(bench.controller.live().alarms.front().code, "PS0090");
+  EXPECT_EQ(bench.controller.live().homed & 1, 0u);
+  EXPECT_FALSE(bench.controller.sample().moving);
 }
 
 TEST(Homing, BeforeItProgramsDoNotMoveTheAxis) {
