@@ -10,6 +10,7 @@ namespace {
 // What the take-up of play may use of the axis' acceleration and jerk, beside the motion itself.
 constexpr double kTakeUpShare = 0.5;
 constexpr double kMoves_mm = 1e-9;
+constexpr double kAlignment_mm_s = 1;  // of a slave that has parted from its master
 
 }  // namespace
 
@@ -34,6 +35,8 @@ Mechanics::Mechanics(const machine::Machine& machine, double period_s) : axes_(m
       master_[i] = static_cast<int>(master);
       // Coupled where both stand at their reference points.
       slave_shift_[i] = axis.reference_mm - machine.axes[master].reference_mm;
+      slave_off_[i] =
+          PointMotion({kAlignment_mm_s, axis.max_acceleration_mm_s2, axis.max_jerk_mm_s3}, period_s);
     }
     if (axis.inclined_to != 0) {
       const double angle = axis.inclined_deg * std::numbers::pi / 180;
@@ -63,9 +66,19 @@ Mechanics::Mechanics(const machine::Machine& machine, double period_s) : axes_(m
   }
 }
 
-void Mechanics::couple(AxisVector& axes) const noexcept {
+void Mechanics::couple(AxisVector& axes) noexcept {
+  for (std::size_t i = 0; i < axes_; ++i) {
+    if (master_[i] < 0) continue;
+    slave_off_[i].go(0, kAlignment_mm_s);
+    slave_off_[i].step();
+    axes[i] = axes[static_cast<std::size_t>(master_[i])] + slave_shift_[i] + slave_off_[i].position();
+  }
+}
+
+void Mechanics::take_up(const AxisVector& axes) noexcept {
   for (std::size_t i = 0; i < axes_; ++i)
-    if (master_[i] >= 0) axes[i] = axes[static_cast<std::size_t>(master_[i])] + slave_shift_[i];
+    if (master_[i] >= 0)
+      slave_off_[i].set(axes[i] - axes[static_cast<std::size_t>(master_[i])] - slave_shift_[i]);
 }
 
 AxisVector Mechanics::kinematics(const AxisVector& axes) const noexcept {
@@ -75,7 +88,6 @@ AxisVector Mechanics::kinematics(const AxisVector& axes) const noexcept {
     motors[pair.axis] = axes[pair.axis] / pair.cosine;
     motors[pair.straight] = axes[pair.straight] - axes[pair.axis] * pair.tangent;
   }
-  couple(motors);
   return motors;
 }
 

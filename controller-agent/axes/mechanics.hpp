@@ -30,8 +30,12 @@ class Mechanics {
  public:
   Mechanics(const machine::Machine& machine, double period_s);
 
-  /// Puts the synchronous axes where their masters are.
-  void couple(AxisVector& axes) const noexcept;
+  /// Puts the synchronous axes where their masters are; once a period. What a slave was off when it was taken
+  /// up is taken away slowly.
+  void couple(AxisVector& axes) noexcept;
+  /// The axes stand here and the slaves are not moved by that: they may have parted while the drives were
+  /// off.
+  void take_up(const AxisVector& axes) noexcept;
   /// Motors stand where these axes are.
   void set_position(const AxisVector& axes) noexcept;
   /// What the motors have to do for this commanded position, one period on.
@@ -62,6 +66,7 @@ class Mechanics {
   std::size_t axes_;
   std::array<int, machine::kMaxAxes> master_{};
   std::array<double, machine::kMaxAxes> slave_shift_{};
+  std::array<PointMotion, machine::kMaxAxes> slave_off_;  // what is still to be taken away
   std::vector<Inclined> inclined_;
   std::array<Screw, machine::kMaxAxes> screws_;
   AxisVector last_{}, compensation_{};

@@ -62,6 +62,8 @@ Right right_for(Action action) {
 struct Range {
   double least, most;
 };
+constexpr double kUnmoved_mm = 0.001;
+constexpr double kWholeWay_mm = 1e9;
 constexpr Range kFeedOverride{0, motion::kMaxOverride}, kRapidOverride{0, 1}, kSpindleOverride{0.5, 1.2};
 
 const dialects::Dialect& dialect_of(const machine::Machine& machine) {
@@ -131,11 +133,13 @@ Controller::Impl::Impl(machine::Machine machine_in, interp::MachineData data_in,
       macro_environment(realtime, retained, waiting, period_s()),
       interpreter(dialect_of(machine), machine, data, &programs),
       feed(machine, kernel, tags),
+      retrace(machine),
       plc_axes(axes_where(machine, [](const machine::Axis& axis) { return axis.plc; })),
       switches(options.switches),
       skip_input(options.skip_input || machine.skip_input),
       retained(options.retained) {
   const AxisVector home = reference_position(machine);
+  feed.set_history(&retrace);
   kernel.set_position(home);
   feed.set_position(home);
   realtime.homed =
@@ -180,6 +184,10 @@ CommandResult Controller::Impl::command(const Command& command) {
     case Action::feed_hold:
       if (phase == Phase::running) realtime.hold = true;
       if (hand_moving != 0) stop_hands();
+      if (retracing) {
+        retrace.kernel()->abort();
+        returning = false;
+      }
       return accepted();
     case Action::reset:
       return reset();
@@ -275,12 +283,21 @@ CommandResult Controller::Impl::cycle_start(Origin origin) {
 /// From feed hold or a stop: the same run goes on.
 CommandResult Controller::Impl::resume() {
   if (mode != run_mode) return refused("wrong_mode");
-  if (returning || !hands_done(~plc_axes)) return refused("running");
+  if (returning || retracing || !hands_done(~plc_axes)) return refused("running");
   clear_alarms(true);
   anything_moved = false;
   wait_since_period = 0;
   message.clear();
   resume_with_go = resume_with_go || phase == Phase::stopped;
+  if (retrace.active() && !retrace.at_hold()) {
+    phase = Phase::running;
+    realtime.hold = true;
+    retrace.go(kWholeWay_mm, retrace_feed_mm_s());
+    retrace_since = realtime.state().periods;
+    retracing = returning = true;
+    return accepted();
+  }
+  end_retrace();
   if (manual_absolute && displaced()) {
     phase = Phase::running;
     realtime.hold = true;
@@ -310,6 +327,7 @@ CommandResult Controller::Impl::start_run(Selection& chosen) {
   const AxisVector standing = feed.position();
   kernel.set_position(standing);
   feed.set_position(standing);
+  retrace.forget();
   interpreter.start(windowed(std::move(source), main_window), feed.position());
   realtime.rapid_f0 = rapid_f0();
   feed.set_rules({dry_run, data.parameter("1410", FeedRules{}.dry_run_mm_min)});
@@ -375,6 +393,16 @@ CommandResult Controller::Impl::release_emergency_stop() {
   if (phase == Phase::aborting) return refused("resetting");
   emergency = false;
   clear_alarms(false);
+  const RealtimeState& now = realtime.state();
+  const AxisVector& commanded = feed.position();
+  bool moved = false;
+  for (std::size_t i = 0; i < machine.axes.size(); ++i)
+    moved = moved || std::abs(now.actual[i] - commanded[i]) > kUnmoved_mm;
+  if (!moved) {
+    realtime.emergency_stop = false;
+    tripped = false;
+    return accepted();
+  }
   // The axes may have been moved while the drives were off: they are taken up where they stand, then the
   // drives go on.
   releasing = true;
@@ -388,7 +416,8 @@ CommandResult Controller::Impl::set_mode(double value) {
     const auto wanted = static_cast<Mode>(static_cast<int>(value));
     return wanted == run_mode || wanted == Mode::jog || wanted == Mode::handle;
   };
-  if (busy() && !(held() && value >= 0 && hand_moving == 0 && to_hand())) return refused("running");
+  if (busy() && !(held() && value >= 0 && hand_moving == 0 && !retracing && to_hand()))
+    return refused("running");
   if (!(value >= 0 && value <= static_cast<double>(Mode::remote)) || value != static_cast<int>(value))
     return refused("bad_value");
   mode = static_cast<Mode>(static_cast<int>(value));
@@ -455,6 +484,10 @@ CommandResult Controller::select_stream(std::string name, std::string revision_h
 CommandResult Controller::jog(std::size_t axis, int direction, JogSpeed speed) {
   Access access(impl_->lock, impl_->waiting);
   return impl_->jog(axis, direction, speed);
+}
+CommandResult Controller::retrace(double way_mm) {
+  Access access(impl_->lock, impl_->waiting);
+  return impl_->retrace_way(way_mm);
 }
 CommandResult Controller::move_plc_axis(std::size_t axis, double target_mm, double feed_mm_min) {
   Access access(impl_->lock, impl_->waiting);

@@ -220,6 +220,10 @@ class Controller {
   /// Reference mode: to reference point 1 at rapid rate; an axis without an absolute encoder over its dog to
   /// the zero mark the first time.
   CommandResult reference_return(std::size_t axis);
+  /// Handle mode, in a held program: along the path that was traced, < 0 back, > 0 forward, but not beyond
+  /// where the program was held [mm, degrees like mm]. Feed hold stops it; cycle start goes forward to the
+  /// hold first.
+  CommandResult retrace(double way_mm);
   /// The ladder moves one of its axes (`[axis.B] plc = true`); also while a program runs. Any thread.
   CommandResult move_plc_axis(std::size_t axis, double target_mm, double feed_mm_min);
   /// MDI mode: the block that cycle start carries out, once.

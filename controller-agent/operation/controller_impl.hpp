@@ -82,6 +82,10 @@ struct Controller::Impl {
   CommandResult may_move_by_hand(std::size_t axis, Mode needed);
   CommandResult move_plc_axis(std::size_t axis, double target_mm, double feed_mm_min);
   CommandResult tap_retract();
+  CommandResult retrace_way(double way_mm);
+  double retrace_feed_mm_s() const;
+  bool work_retrace();
+  void end_retrace();
   void move_by_hand(std::size_t axis, const HandOrder& order);
   void stop_hands();
   void go_back();
@@ -89,6 +93,10 @@ struct Controller::Impl {
   bool work_return();
   /// The axes of a hand or a ladder have done what they were told.
   bool hands_done(std::uint32_t axes);
+  /// What hands have added to where the kernel stands; nothing before the real-time part has taken up a
+  /// position that has just been set.
+  double hand_offset(std::size_t axis);
+  AxisVector standing();
   bool displaced();
   bool held() const;  ///< a program stands in feed hold or at a stop: a hand may intervene
   bool take_over_hands();
@@ -144,6 +152,7 @@ struct Controller::Impl {
   MacroEnvironment macro_environment;
   interp::Interpreter interpreter;
   MotionFeed feed;
+  Retrace retrace;
   std::function<void(const interp::Operation&)> observer;
 
   std::mutex lock;
@@ -153,14 +162,17 @@ struct Controller::Impl {
   Phase phase = Phase::idle;
   bool emergency = false;
   bool armed = false;
-  Mode run_mode = Mode::memory;  // of the program that a hand intervenes in
-  bool parking = false;          // by hand: the kernel is being given the new position
-  bool returning = false;        // to where a hand has taken the axes from
+  Mode run_mode = Mode::memory;     // of the program that a hand intervenes in
+  bool parking = false;             // by hand: the kernel is being given the new position
+  std::uint64_t retrace_since = 0;  // period in which the way was given
+  bool retracing = false;           // the axes move along what was traced
+  bool returning = false;           // to where a hand has taken the axes from
   bool manual_absolute = true;
   bool tripped = false;     // a fault has switched the drives off …
   bool trip_reset = false;  // … RESET switches them on, once the measured position is taken over
   bool releasing = false;   // the emergency stop, once the measured position is taken over
   std::uint32_t faults_seen = 0;
+  std::uint64_t set_since = 0;      // period in which the kernel got its position last
   bool resume_with_go = false;      // the program stands at a stop, not in feed hold
   AxisVector hand_goal{};           // where hands have sent the axes
   std::uint32_t hand_moving = 0;    // axes that a hand has sent somewhere; bit: axis

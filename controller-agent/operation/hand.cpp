@@ -5,6 +5,7 @@
 namespace headstock::operation {
 namespace {
 
+constexpr double kSettled_mm = 0.0005;
 constexpr double kFar_mm = 1e6;  // a search for the dog ends by the dog, a limit switch, or the operator
 
 }  // namespace
@@ -99,7 +100,9 @@ void Hand::step_homing(std::size_t axis, double base, const axes::Drive& drive) 
       homing_[axis] = Homing::mark;
       return;
     case Homing::mark:
+      // The slide lags behind: it is called its reference point when it stands there, too.
       if (!motion_[axis].arrived()) return;
+      if (std::abs(drive.actual()[axis] - base - motion_[axis].position()) > kSettled_mm) return;
       homed_ |= 1u << axis;
       homing_[axis] = Homing::off;
       return;

@@ -13,6 +13,7 @@
 namespace headstock::operation {
 namespace {
 
+constexpr double kThere_mm = 1e-6;
 constexpr double kManualFeed_mm_min = 1'000;  // FANUC No. 1423, when it is not set
 
 CommandResult refused(const char* reason) {
@@ -79,9 +80,19 @@ double Controller::Impl::manual_feed(std::size_t axis) const {
 }
 
 double Controller::Impl::hand_position(std::size_t axis) {
-  if ((hand_moving >> axis & 1) != 0) return hand_goal[axis];
+  return (hand_moving >> axis & 1) != 0 ? hand_goal[axis] : standing()[axis];
+}
+
+double Controller::Impl::hand_offset(std::size_t axis) {
   const RealtimeState& now = realtime.state();
-  return now.base[axis] + now.hand_offset[axis];
+  return now.periods >= set_since + 2 ? now.hand_offset[axis] : 0;
+}
+
+AxisVector Controller::Impl::standing() {
+  // A held kernel stands somewhere on its way, otherwise at the end of it.
+  AxisVector at = held() ? realtime.state().base : feed.position();
+  for (std::size_t i = 0; i < machine.axes.size(); ++i) at[i] += hand_offset(i);
+  return at;
 }
 
 double Controller::Impl::reach(std::size_t axis, int direction) {
@@ -90,9 +101,7 @@ double Controller::Impl::reach(std::size_t axis, int direction) {
   const bool unlimited = (realtime.homed.load() >> axis & 1) == 0;
   double limit = direction > 0 ? limits.max_mm : limits.min_mm;
   if (unlimited) limit = direction > 0 ? kNoLimit_mm : -kNoLimit_mm;
-  AxisVector here = feed.position();
-  const RealtimeState& now = realtime.state();
-  for (std::size_t i = 0; i < machine.axes.size(); ++i) here[i] = now.base[i] + now.hand_offset[i];
+  AxisVector here = standing();
   here[axis] = hand_position(axis);
   motion::Line way{here};
   way.end[axis] = limit;
@@ -130,7 +139,7 @@ CommandResult Controller::Impl::jog(std::size_t axis, int direction, JogSpeed sp
   order.kind = HandOrder::Kind::go;
   order.target = reach(axis, direction);
   if (order.target == limits.max_mm || order.target == limits.min_mm) order.target -= direction * least;
-  if ((order.target - hand_position(axis)) * direction <= 0) return refused("travel_limit");
+  if ((order.target - hand_position(axis)) * direction <= kThere_mm) return refused("travel_limit");
   const bool known = (realtime.homed.load() >> axis & 1) != 0;
   // Before reference return there is no rapid by hand (0i-D No. 1401#0).
   order.rapid = speed == JogSpeed::rapid && (known || data.bit("1401#0"));
@@ -209,9 +218,8 @@ bool Controller::Impl::hands_done(std::uint32_t axes) {
 }
 
 bool Controller::Impl::displaced() {
-  const RealtimeState& now = realtime.state();
   for (std::size_t i = 0; i < machine.axes.size(); ++i)
-    if (now.hand_offset[i] != 0 && (plc_axes >> i & 1) == 0) return true;
+    if (hand_offset(i) != 0 && (plc_axes >> i & 1) == 0) return true;
   return false;
 }
 
@@ -228,6 +236,9 @@ bool Controller::Impl::take_over_hands() {
   for (std::size_t i = 0; i < machine.axes.size(); ++i) {
     if ((plc_axes >> i & 1) != 0) continue;
     standing[i] += now.hand_offset[i];
+    // Where it was sent, without the rounding of base and offset.
+    if ((hand_moving >> i & 1) != 0 && std::abs(standing[i] - hand_goal[i]) < 1e-9)
+      standing[i] = hand_goal[i];
     if ((now.marks_found >> i & 1) != 0) standing[i] = machine.axes[i].reference_mm;
   }
   kernel.set_position(standing);
@@ -239,6 +250,7 @@ bool Controller::Impl::take_over_hands() {
       const MachineAlarm alarm = homing_alarm();
       raise(std::string(alarm.code), std::string(1, machine.axes[i].name), {}, alarm);
     }
+  set_since = now.periods;
   realtime.unpark(standing, ~plc_axes, now.marks_found);
   hand_moving = hand_stopped = 0;
   return true;
@@ -286,6 +298,43 @@ bool Controller::Impl::work_return() {
   hand_moving = hand_stopped = 0;
   if (!returning) return false;
   returning = false;
+  go_on();
+  state_changed();
+  return true;
+}
+
+double Controller::Impl::retrace_feed_mm_s() const {
+  return data.parameter("1410", FeedRules{}.dry_run_mm_min) / 60;
+}
+
+CommandResult Controller::Impl::retrace_way(double way_mm) {
+  if (emergency) return refused("emergency_stop");
+  if (alarmed() || phase == Phase::faulted) return refused("alarm");
+  if (!held() || mode != Mode::handle) return refused("wrong_mode");
+  if (!std::isfinite(way_mm)) return refused("bad_value");
+  const RealtimeState& now = realtime.state();
+  if (retracing || now.kernel_moving || hand_moving != 0 || displaced()) return refused("running");
+  if (!retrace.active() && !retrace.begin(now.sample.tag, now.base)) return refused("nothing_to_retrace");
+  if (!retrace.go(way_mm, retrace_feed_mm_s())) return refused("nothing_to_retrace");
+  retracing = true;
+  retrace_since = now.periods;
+  realtime.second_kernel = retrace.kernel();
+  return {true, {}};
+}
+
+void Controller::Impl::end_retrace() {
+  realtime.second_kernel = nullptr;
+  retrace.end();
+}
+
+bool Controller::Impl::work_retrace() {
+  const RealtimeState& now = realtime.state();
+  // Two periods: the state must have been made after the way was given.
+  if (now.periods < retrace_since + 2 || !now.second_done) return false;
+  retracing = false;
+  retrace.stopped(now.second_tag, now.second_position);
+  if (!std::exchange(returning, false)) return false;
+  end_retrace();
   go_on();
   state_changed();
   return true;

@@ -81,8 +81,10 @@ const interp::Motion& motion_of(const interp::Operation& operation) {
 }
 
 void MotionFeed::set_position(const AxisVector& position) {
+  const AxisVector position_before = position_;
   position_ = position;
   held_back_.reset();
+  if (history_ != nullptr && position != position_before) history_->forget();
   last_tag_ = 0;
 }
 
@@ -230,6 +232,7 @@ std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operati
     }
     held_block_ = common.at;
     move.tag = last_tag_ = tag;
+    held_start_ = position_;
     position_ = end_of(move);
     held_back_ = move;
   }
@@ -249,6 +252,7 @@ std::uint64_t MotionFeed::add_tag(const interp::Motion& motion, std::uint64_t ma
 void MotionFeed::flush() {
   if (!held_back_) return;
   kernel_.push(*held_back_);
+  if (history_ != nullptr) history_->record(held_start_, *held_back_);
   if (observer_) observer_(*held_back_);
   held_back_.reset();
 }

@@ -10,6 +10,7 @@
 #include "interpreter/canonical.hpp"
 #include "machine/machine.hpp"
 #include "motion/kernel.hpp"
+#include "operation/retrace.hpp"
 #include "operation/tag_ring.hpp"
 
 namespace headstock::operation {
@@ -57,6 +58,8 @@ class MotionFeed {
   /// Something else than a move comes next: the last move ends at rest.
   void finish();
 
+  /// What the kernel gets is kept here, for retracing it.
+  void set_history(Retrace* history) { history_ = history; }
   /// Called with every move as the kernel gets it. For virtual time: judging the commanded path.
   void on_move(std::function<void(const motion::Move&)> observer) { observer_ = std::move(observer); }
 
@@ -79,6 +82,8 @@ class MotionFeed {
   // before G00), so the end of a move is known only when the next one is.
   std::optional<motion::Move> held_back_;
   std::function<void(const motion::Move&)> observer_;
+  AxisVector held_start_{};
+  Retrace* history_ = nullptr;
   interp::SourcePosition held_block_;  // of held_back_
 };
 

@@ -47,8 +47,10 @@ Realtime::Realtime(const machine::Machine& machine, motion::Kernel& kernel, cons
       polygon_(machine, period_s_),
       hand_(machine, period_s_) {
   state_.actual = drive_->actual();
-  mechanics_.set_position(state_.actual);
-  state_.sample.position = state_.base = commanded_ = drive_command_ = state_.actual;
+  AxisVector home{};
+  for (std::size_t i = 0; i < axes_; ++i) home[i] = machine.axes[i].reference_mm;
+  mechanics_.set_position(home);
+  state_.sample.position = state_.base = commanded_ = drive_command_ = home;
   state_.sample.queue_empty = true;
   buffer_.back() = state_;
   buffer_.publish();
@@ -93,6 +95,7 @@ void Realtime::step() noexcept {
   if (abort != abort_seen_) {
     abort_seen_ = abort;
     kernel_.abort();
+    if (motion::Kernel* second = second_kernel.load(std::memory_order_acquire)) second->abort();
     functions_->reset();
     tap_.stop();
     hand_.stop();
@@ -104,10 +107,11 @@ void Realtime::step() noexcept {
     release_seen_ = released;
     end_beside();
   }
-  step_kernel();
-  if (release_seen_ != before_release) {  // what was commanded before counts no more
+  const bool released_now = release_seen_ != before_release;
+  step_kernel(released_now);
+  if (released_now) {  // what was commanded before counts no more
     commanded_ = state_.base;
-    mechanics_.couple(commanded_);
+    mechanics_.take_up(commanded_);
     velocity_ = {};
   }
   step_beside(emergency);
@@ -168,13 +172,14 @@ void Realtime::take_new_position() noexcept {
   supervision_.restart();
 }
 
-void Realtime::step_kernel() noexcept {
+/// @param set_anew the kernel has just been given a position that it has to take up before anything else
+void Realtime::step_kernel(bool set_anew) noexcept {
   const std::uint64_t park = park_.load(std::memory_order_acquire);
-  if (parked_.load(std::memory_order_relaxed) != park) {
+  if (!set_anew && parked_.load(std::memory_order_relaxed) != park) {
     parked_.store(park, std::memory_order_release);
     return;
   }
-  if (unpark_seen_ != park) {
+  if (!set_anew && unpark_seen_ != park) {
     if (unparked_.load(std::memory_order_acquire) != park)
       return;  // the kernel is being given a new position
     unpark_seen_ = park;
@@ -194,11 +199,28 @@ void Realtime::step_kernel() noexcept {
   state_.kernel_moving = state_.sample.moving;
 }
 
+/// Moves of a hand along a path: the feed override acts, the program's feed hold does not.
+void Realtime::step_second() noexcept {
+  motion::Kernel* kernel = second_kernel.load(std::memory_order_acquire);
+  state_.second_moving = false;
+  state_.second_done = true;
+  if (kernel == nullptr) return;
+  motion::Overrides wanted;
+  wanted.feed = feed_override.load(std::memory_order_relaxed);
+  const motion::Sample sample = kernel->step(wanted, 0, 0);
+  state_.second_position = sample.position;
+  state_.second_moving = sample.moving;
+  state_.second_done = !sample.moving && (sample.queue_empty || kernel->aborted());
+  state_.second_tag = sample.tag;
+}
+
 /// Everything that moves axes beside the kernel, and the ramp that ends all of it.
 void Realtime::step_beside(bool emergency) noexcept {
   if (tap_.running()) tap_.step(spindle_.spindle(), drive_->position_gain(tap_.axis()));
   if (tap_shown_) state_.base[tap_.axis()] = tap_.position();
-  AxisVector position = state_.base;
+  step_second();
+  AxisVector position =
+      second_kernel.load(std::memory_order_relaxed) != nullptr ? state_.second_position : state_.base;
   polygon_.step(spindle_.spindle().phase_rad());
   position[polygon_.axis()] += polygon_.offset_deg();
   hand_.step(state_.base, feed_override.load(std::memory_order_relaxed),
@@ -210,7 +232,7 @@ void Realtime::step_beside(bool emergency) noexcept {
   bool stands = true;
   if (ramping) {
     if (!ramp_.active()) {
-      ramp_.begin(commanded_, velocity_);
+      ramp_.begin(commanded_, tripped_ ? AxisVector{} : velocity_);  // without drives nothing is braked
       tap_.stop();
       hand_.stop();
     }
@@ -226,18 +248,22 @@ void Realtime::step_beside(bool emergency) noexcept {
     stands = false;
   }
   drives_on_ = !tripped_ && !(emergency && stands);
-  state_.sample.moving =
-      state_.kernel_moving || tap_.running() || hand_.moving() || polygon_.moving() || !stands;
+  state_.sample.moving = state_.kernel_moving || state_.second_moving || tap_.running() || hand_.moving() ||
+                         polygon_.moving() || !stands;
   if (tap_.running()) state_.sample.tag = posted_interlude_.tag;
   for (std::size_t i = 0; i < axes_; ++i) {
     velocity_[i] = (position[i] - commanded_[i]) / period_s_;
-    if (tap_.running() || hand_.moving() || polygon_.moving() || ramping)
+    if (tap_.running() || hand_.moving() || state_.second_moving || polygon_.moving() || ramping)
       state_.sample.velocity[i] = velocity_[i];
   }
   if (tap_.running()) {
     const double to = tap_.position() - tap_.order().end;
     state_.sample.distance_to_go[tap_.axis()] = -to;
     state_.sample.path_speed_mm_s = std::abs(velocity_[tap_.axis()]);
+  } else if (hand_.moving() || state_.second_moving) {
+    double sum = 0;
+    for (std::size_t i = 0; i < axes_; ++i) sum += velocity_[i] * velocity_[i];
+    state_.sample.path_speed_mm_s = std::sqrt(sum);
   }
   commanded_ = position;
   state_.sample.position = position;

@@ -70,7 +70,11 @@ struct RealtimeState {
   std::uint64_t cutting_periods = 0;  ///< of these: moving at a cutting feed
   bool drives_at_rest = true;         ///< and no ramp of an emergency stop is under way
   bool in_position = true;
-  std::uint32_t hand_busy = 0;    ///< axes that are moved by hand or by the ladder; bit: axis
+  std::uint32_t hand_busy = 0;  ///< axes that are moved by hand or by the ladder; bit: axis
+  bool second_moving = false;   ///< the second kernel
+  bool second_done = true;      ///< it has nothing more to trace
+  AxisVector second_position{};
+  std::uint64_t second_tag = 0;
   std::uint64_t hand_orders = 0;  ///< taken up
   AxisVector hand_offset{};       ///< what hands and ladder have added to `base`
   std::uint32_t marks_found = 0;  ///< axes that stand on their zero mark after reference return, to be set
@@ -130,6 +134,9 @@ class Realtime {
   void unpark(const AxisVector& position, std::uint32_t taken_over, std::uint32_t marks = 0);
   /// The kernel keeps its position after all; what is beside it stays beside it.
   void cancel_park();
+  /// A second kernel that moves all axes while the program's stands; nullptr: none. It begins where that
+  /// stands.
+  std::atomic<motion::Kernel*> second_kernel{nullptr};
   Hand& hand() { return hand_; }
 
   /// One reader at a time (the controller's lock).
@@ -144,9 +151,10 @@ class Realtime {
 
  private:
   void step_interlude() noexcept;
-  void step_kernel() noexcept;
+  void step_kernel(bool set_anew) noexcept;
   void take_new_position() noexcept;
   void step_beside(bool emergency) noexcept;
+  void step_second() noexcept;
   void step_spindle(bool emergency) noexcept;
   void step_drives(bool locked, bool emergency) noexcept;
   void step_abort() noexcept;

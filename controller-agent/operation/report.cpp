@@ -92,7 +92,9 @@ Live Controller::Impl::live() {
   const bool in_run = phase == Phase::running || phase == Phase::stopped || phase == Phase::faulted;
   // Between moves (dwell, M code, stop) the block that is being carried out is the one taken up last, and it
   // is exact: nothing is taken up before what was before it is done.
-  const bool between = in_run && await != Await::nothing && await != Await::block_stop && !now.sample.moving;
+  const bool traced = feed.last_tag() == 0 || (now.sample.tag == feed.last_tag() && now.sample.queue_empty);
+  const bool between =
+      in_run && await != Await::nothing && await != Await::block_stop && !now.sample.moving && traced;
   const interp::ModalSnapshot& modal = segment.tag != 0 && in_run ? segment.modal : interpreter.modal();
 
   Live live;

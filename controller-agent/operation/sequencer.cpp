@@ -66,6 +66,7 @@ bool Controller::Impl::work() {
     if (hands_done(~plc_axes)) take_over_hands();
     return false;
   }
+  if (retracing && work_retrace()) return true;
   if (hand_moving != 0 && work_return()) return true;
   if (phase != Phase::running) return false;
   const RealtimeState& now = realtime.state();
@@ -349,6 +350,7 @@ void Controller::Impl::after_abort() {
   interpreter.reset(position);
   realtime.hold = false;
   realtime.running = false;
+  set_since = now.periods;
   realtime.abort_over();
   // Only now, when the commanded position is the measured one again, may the drives follow it.
   if (unlocked) realtime.machine_lock = false;
@@ -360,6 +362,8 @@ void Controller::Impl::after_abort() {
   releasing = trip_reset = unlocked = false;
   unlocked_axes = 0;
   hand_moving = hand_stopped = 0;
+  retracing = false;
+  end_retrace();
   await = Await::nothing;
   has_operation = false;
   last_block = {};

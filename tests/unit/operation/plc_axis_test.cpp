@@ -23,10 +23,10 @@ machine::Machine with_plc_axis() {
 TEST(PlcAxis, MovesWhileAProgramRunsWithoutDisturbingIt) {
   Bench bench(with_plc_axis());
   bench.load("O1\nG90 G94 G21\nG01 X10. F600.\nG04 P100\nX20.\nM30\n");
-  ASSERT_TRUE(bench.start());
-  ASSERT_TRUE(bench.until([&] { return bench.controller.sample().position[0] > 2; }, 20));
   LimitsOnBench limits(bench);
-  ASSERT_TRUE(bench.controller.move_plc_axis(3, 90, 2'000).accepted);
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(limits.until([&] { return bench.controller.sample().position[0] > 2; }, 20));
+  ASSERT_TRUE(bench.controller.move_plc_axis(3, 90, 6'000).accepted);
   ASSERT_TRUE(limits.until([&] { return bench.state() == State::idle; }, 60));
   EXPECT_EQ(bench.controller.sample().position[3], 90);
   EXPECT_EQ(bench.controller.sample().position[0], 20);

@@ -26,8 +26,13 @@ machine::Machine with_tool_axis() {
   return machine;
 }
 
+void name_tool_axis(Bench& bench) {
+  bench.controller.edit_data([](interp::MachineData& data) { data.parameters["7610"] = 3; }, {}, "test");
+}
+
 TEST(Polygon, TheToolKeepsItsRatioAndItsPhase) {
   Bench bench(with_tool_axis());
+  name_tool_axis(bench);
   bench.load("O1\nG98 G21 G97\nG00 X60. Z5.\nM03 S500\nG51.2 P1 Q2\nG01 Z-10. F200.\nG50.2\nM05\nM30\n");
   ASSERT_TRUE(bench.start());
   ASSERT_TRUE(bench.until(
@@ -52,6 +57,7 @@ TEST(Polygon, TooFastForTheToolAxisIsAnAlarmBeforeItTurns) {
   machine::Machine machine = with_tool_axis();
   machine.axes[2].max_feed_mm_min = 100'000;
   Bench bench(machine);
+  name_tool_axis(bench);
   bench.load("O1\nG98 G21 G97\nM03 S500\nG51.2 P1 Q2\nG50.2\nM30\n");
   ASSERT_TRUE(bench.start());
   ASSERT_TRUE(bench.until_state(State::alarm, 60));
@@ -61,6 +67,7 @@ TEST(Polygon, TooFastForTheToolAxisIsAnAlarmBeforeItTurns) {
 
 TEST(Polygon, AMachineWithoutAToolAxisRefuses) {
   Bench bench("fanuc-0i-t");
+  name_tool_axis(bench);
   bench.load("O1\nG98 G21 G97\nM03 S500\nG51.2 P1 Q2\nG50.2\nM30\n");
   ASSERT_TRUE(bench.start());
   ASSERT_TRUE(bench.until_state(State::alarm, 60));
@@ -68,6 +75,7 @@ TEST(Polygon, AMachineWithoutAToolAxisRefuses) {
 
 TEST(Polygon, ResetStopsTheTool) {
   Bench bench(with_tool_axis());
+  name_tool_axis(bench);
   bench.load("O1\nG98 G21 G97\nG00 X60. Z5.\nM03 S500\nG51.2 P1 Q1\nG01 Z-50. F200.\nG50.2\nM30\n");
   ASSERT_TRUE(bench.start());
   ASSERT_TRUE(bench.until([&] { return bench.controller.sample().position[1] < 3; }, 60));

@@ -106,10 +106,10 @@ TEST(ContourAxis, TheSpindleIsTheAxisBetweenItsTwoMCodes) {
   bench.load(
       "O1\nG98 G21\nM03 S600\nG04 P500\nM81\nG00 C90.\nG01 C-45. F3000.\nM82\nM03 S300\nG04 P1000\nM30\n");
   ASSERT_TRUE(bench.start());
-  ASSERT_TRUE(bench.until([&] { return bench.controller.live().at.line >= 6; }, 30));
+  LimitsOnBench limits(bench);
+  ASSERT_TRUE(limits.until([&] { return bench.controller.live().at.line >= 6; }, 30));
   double worst_deg = 0;
   int periods = 0;
-  LimitsOnBench limits(bench);
   ASSERT_TRUE(limits.until(
       [&] {
         const double c = bench.controller.sample().position[2];
@@ -144,6 +144,7 @@ TEST(SecondAuxiliary, GoesToTheMachineThatHasItAndIsRefusedOtherwise) {
   for (const bool wired : {true, false}) {
     machine.second_auxiliary = wired;
     Bench bench(machine);
+    bench.controller.edit_data([](interp::MachineData& data) { data.parameters["8132#2"] = 1; }, {}, "test");
     bench.load("O1\nG90 G94 G21\nB90\nG01 X1. F1000.\nM30\n");
     ASSERT_TRUE(bench.start());
     ASSERT_TRUE(bench.until([&] { return bench.state() != State::running; }, 20));

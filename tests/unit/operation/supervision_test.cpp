@@ -95,6 +95,11 @@ TEST(FollowingError, SynchronousAxesThatPart) {
   bench.press(Action::reset);
   servo.drive->jam(3, false);
   ASSERT_TRUE(bench.until_state(State::idle, 5));
+  LimitsOnBench limits(bench);
+  for (int i = 0; i < 3000; ++i) limits.period();
+  limits.expect_inside();
+  EXPECT_EQ(bench.state(), State::idle) << "what they have parted is taken away slowly";
+  EXPECT_NEAR(bench.controller.live().machine[3], bench.controller.live().machine[1], 1e-3);
   bench.load("O2\nG90 G94 G21\nG01 V5. F3000.\nM30\n", "O2");
   ASSERT_TRUE(bench.start());
   ASSERT_TRUE(bench.until_state(State::alarm, 5));
@@ -103,7 +108,7 @@ TEST(FollowingError, SynchronousAxesThatPart) {
 
 TEST(Fluctuation, G26StopsTheMachineWithOH0704) {
   Bench bench("fanuc-0i-t");
-  bench.load("O1\nG98 G21 G97\nG26 P1000 Q15 R10\nM03 S1000\nG01 Z-50. F300.\nM30\n");
+  bench.load("O1\nG98 G21 G97\nG26 P1000 Q5 R10\nM03 S1000\nG01 Z-50. F300.\nM30\n");
   ASSERT_TRUE(bench.start());
   ASSERT_TRUE(bench.until([&] { return bench.controller.sample().position[1] < -2; }, 20));
   bench.controller.spindle().load(0.93);
@@ -117,9 +122,9 @@ TEST(Fluctuation, G26StopsTheMachineWithOH0704) {
   bench.controller.spindle().load(1);
   bench.press(Action::reset);
   ASSERT_TRUE(bench.until_state(State::idle, 5));
-  bench.load("O2\nG98 G21 G97\nG26 P1000 Q15 R10\nG25\nM03 S1000\nG01 Z-20. F300.\nM30\n", "O2");
+  bench.load("O2\nG98 G21 G97\nG26 P1000 Q5 R10\nG25\nM03 S1000\nG01 Z-20. F300.\nM30\n", "O2");
   ASSERT_TRUE(bench.start());
-  ASSERT_TRUE(bench.until([&] { return bench.controller.sample().position[1] < -3; }, 20));
+  ASSERT_TRUE(bench.until([&] { return bench.controller.sample().position[1] < -10; }, 20));
   bench.controller.spindle().load(0.5);
   ASSERT_TRUE(bench.until_state(State::idle, 60)) << "G25 has ended the supervision";
 }
@@ -167,7 +172,7 @@ TEST(EmergencyStop, WhatMovesTheAxesWhileTheDrivesAreOffIsTakenUp) {
   bench.load("O1\nG90 G94 G21\nG01 Z-1. F1000.\nM30\n");
   ASSERT_TRUE(bench.start());
   ASSERT_TRUE(bench.until_state(State::idle, 20));
-  EXPECT_NEAR(bench.controller.live().machine[2], -1, 0.01);
+  EXPECT_NEAR(bench.controller.live().machine[2], -1, 0.025);
 }
 
 TEST(StrokeChecks, TheThirdIsABoxFromTheParameters) {

@@ -80,6 +80,7 @@ TEST(RigidTap, LeftHandTurnsTheOtherWay) {
 
 TEST(RigidTap, PecksReachTheBottomAndComeBackOut) {
   Bench bench("fanuc-0i-m");
+  bench.controller.edit_data([](interp::MachineData& data) { data.parameters["5213"] = 1; }, {}, "test");
   bench.load("O1\nG90 G94 G21 G00 Z0.\nM29 S600\nG99 G84 Z-20. R-2. Q6. F900.\nG80\nM30\n");
   ASSERT_TRUE(bench.start());
   double turned_at = 0;
