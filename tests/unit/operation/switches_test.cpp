@@ -34,7 +34,7 @@ TEST(RapidOverride, F0IsTheRateOfItsParameter) {
 TEST(RapidOverride, QuarterAndHalf) {
   for (const double ratio : {0.25, 0.5, 1.0}) {
     Bench bench;
-    bench.load("O1\nG90 G94 G21\nG00 X90.\nM30\n");
+    bench.load("O1\nG90 G94 G21\nG00 X900.\nM30\n");
     bench.press(Action::set_rapid_override, ratio);
     ASSERT_TRUE(bench.start());
     double fastest = 0;
