@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "agent/panel_manual.hpp"
 #include "agent/panel_server.hpp"
 #include "link/live_json.hpp"
 #include "protocol/wire/reasons.hpp"
@@ -76,6 +77,7 @@ Agent::Agent(AgentOptions options)
     const operation::Live now = controller_->live();
     return now.program_name == name && now.state != operation::State::idle && now.state != operation::State::alarm;
   });
+  manual_ = std::make_unique<PanelManual>(io_, *controller_);
   panel_ = std::make_unique<PanelServer>(io_, folder_.panel_socket(),
                                          [this](const std::string& request) { return panel(request); });
   if (options_.host.empty()) return;
@@ -192,6 +194,11 @@ std::string Agent::panel(const std::string& request) {
     content << in.rdbuf();
     const auto put = memory_->put(std::filesystem::path(file).filename().string(), content.str());
     return answer_json({put.ok(), put.reason}).dump();
+  }
+  if (const auto by_hand = manual_->carry_out(verb, asked)) {
+    if (verb != "jog" || !by_hand->accepted)
+      spdlog::info("{} at the panel: {}", request, by_hand->accepted ? "accepted" : "refused, " + by_hand->reason);
+    return answer_json(*by_hand).dump();
   }
   operation::Action action{};
   if (!link::action_from_name(verb, action)) return answer_json({false, "unknown_command"}).dump();

@@ -19,6 +19,7 @@
 
 namespace headstock::agent {
 
+class PanelManual;
 class PanelServer;
 
 struct AgentOptions {
@@ -72,6 +73,7 @@ class Agent final : public link::LinkHost {
   std::unique_ptr<MachineClock> clock_;
   boost::asio::io_context io_;
   std::unique_ptr<link::Link> link_;
+  std::unique_ptr<PanelManual> manual_;
   std::unique_ptr<PanelServer> panel_;
   SelectedProgram selected_;
 };

@@ -263,7 +263,7 @@ struct Tap : Motion {
   SpindleDirection direction = SpindleDirection::cw;  ///< inward; outward is the other one
   double dwell_s = 0;  ///< at the bottom
   std::uint8_t spindle = 0;  ///< 0: the main spindle; 1: a driven tool, which whoever has none must refuse
-  double out_ratio = 1;      ///< spindle speed on the way out, against `rpm`; the axis stays in step with it
+  double out_ratio = 1;      ///< spindle speed on the way out, against `rpm`; the axis stays in step with it (extraction override, 0i-D No. 5211); > 0
 };
 
 using Operation =

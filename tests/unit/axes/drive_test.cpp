@@ -11,8 +11,7 @@ namespace {
 
 TEST(SimulatedDrive, LagsBySpeedOverGainAndSettlesOnTheTarget) {
   const machine::Machine machine = *machine::default_machine("fanuc-0i-m");
-  const ServoTuning tuning;
-  SimulatedDrive drive(machine, tuning);
+  SimulatedDrive drive(machine);
   AxisVector command = drive.actual();
   const double from = command[0];
   const double speed_mm_s = 50, period_s = machine.period_us * 1e-6;
@@ -20,7 +19,7 @@ TEST(SimulatedDrive, LagsBySpeedOverGainAndSettlesOnTheTarget) {
     command[0] += speed_mm_s * period_s;
     drive.command(command);
   }
-  EXPECT_NEAR(drive.following_error()[0], speed_mm_s / tuning.position_gain_per_s, 0.05);
+  EXPECT_NEAR(drive.following_error()[0], speed_mm_s / machine.axes[0].position_gain_per_s, 0.05);
   double overshoot = 0;
   for (int i = 0; i < 2000; ++i) {
     drive.command(command);
@@ -56,14 +55,14 @@ TEST(SimulatedDrive, WithoutPowerItBrakesAndIgnoresCommands) {
 TEST(SimulatedSpindle, RampsAndTurns) {
   machine::Spindle data;
   data.acceleration_rpm_s = 1000;
-  SimulatedSpindle spindle(data);
+  SimulatedSpindle spindle(data, 0.001);
   spindle.command(-600);
   EXPECT_FALSE(spindle.at_speed());
-  for (int i = 0; i < 600; ++i) spindle.step(0.001);
+  for (int i = 0; i < 640; ++i) spindle.step();
   EXPECT_NEAR(spindle.rpm(), -600, 1e-6);
   EXPECT_TRUE(spindle.at_speed());
   const double before = spindle.phase_rad();
-  for (int i = 0; i < 100; ++i) spindle.step(0.001);
+  for (int i = 0; i < 100; ++i) spindle.step();
   EXPECT_NEAR(spindle.phase_rad() - before, -2 * std::numbers::pi, 1e-9);  // 600 rpm: one turn in 0.1 s
 }
 
