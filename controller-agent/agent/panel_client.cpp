@@ -42,6 +42,8 @@ constexpr Verb kVerbs[] = {
     {"release", "emergency_stop_release", Takes::nothing, "release the emergency stop"},
     {"select", "select", Takes::name, "choose the program that cycle start runs"},
     {"load", "load", Takes::file, "copy a program file into the machine's memory"},
+    {"request", "request", Takes::name, "ask the server to feed this program (DNC mode); its answer is in status"},
+    {"dnc", "dnc_input", Takes::on_off, "take the program from the machine's own DNC line (--dnc)"},
     {"mode", "set_mode", Takes::mode, "edit, memory, mdi, jog, handle, reference or remote"},
     {"feed", "set_feed_override", Takes::percent, "feed override in percent"},
     {"rapid", "set_rapid_override", Takes::percent, "rapid override in percent"},

@@ -121,6 +121,7 @@ enum class AlarmReason : std::uint8_t {
   macro_print_form,      ///< DPRNT, BPRNT
   external_not_found,    ///< M198: no such file
   external_twice,        ///< M198 in a program called by M198
+  external_in_dnc,       ///< M198 while the main program is fed from outside
   endless_loop,  ///< jumps without end and without motion: ours, controllers just hang
   // ---- chamfers, corner rounds, drawing dimensions
   corner_words,         ///< more than one of I J K R, or chamfer and round together
@@ -206,7 +207,6 @@ enum class AlarmReason : std::uint8_t {
   mdi_compensation,  ///< G41, G42 in MDI: as compensation_refused
   mdi_cycle,         ///< a cycle with a profile in MDI: as stand_alone
   external_in_mdi,   ///< M198: as external_not_found
-  external_in_dnc,   ///< M198 in a program that comes over a line: as external_not_found
   // ---- interruption macros
   interrupted_transform,  ///< G51.1, G51, G68 in a program that broke into one of them: as g_not_now
   interrupted_cycle,  ///< the signal inside a cycle with a profile: as g_not_now

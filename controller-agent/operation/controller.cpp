@@ -454,6 +454,7 @@ CommandResult Controller::command(const Command& command) {
   Access access(impl_->lock, impl_->waiting);
   CommandResult result = impl_->command(command);
   impl_->state_changed();
+  if (impl_->wake_storage) impl_->wake_storage();
   return result;
 }
 
@@ -472,13 +473,14 @@ CommandResult Controller::select(std::string name, std::string revision_hash,
 
 CommandResult Controller::select_stream(std::string name, std::string revision_hash,
                                         std::unique_ptr<program::Source> stream, std::uint64_t total_bytes,
-                                        Origin origin) {
+                                        Origin origin, std::function<std::string()> why_broken) {
   if (!stream || name.empty()) return refused("bad_value");
   Selection selection;
   selection.name = std::move(name);
   selection.revision_hash = std::move(revision_hash);
   selection.stream = std::move(stream);
   selection.is_stream = true;
+  selection.why_broken = std::move(why_broken);
   selection.bytes = total_bytes;
   Access access(impl_->lock, impl_->waiting);
   return impl_->select(std::move(selection), Mode::remote, origin);
@@ -510,6 +512,11 @@ CommandResult Controller::enter_mdi(std::string text) {
 }
 void Controller::set_skip_signals(std::uint16_t signals) noexcept {
   impl_->realtime.skip_signals = signals;
+}
+
+void Controller::on_event(std::function<void()> wake) {
+  Access access(impl_->lock, impl_->waiting);
+  impl_->wake_storage = std::move(wake);
 }
 
 void Controller::link_lost() {

@@ -200,9 +200,11 @@ class Controller {
   CommandResult select(std::string name, std::string revision_hash, std::shared_ptr<program::Programs> memory,
                        Origin origin = Origin::panel);
   /// DNC mode: run from a stream of `total_bytes` (0: unknown). It can be run once; reset drops it.
+  /// @param why_broken asked when the stream failed: a message key ("line_parity" …) that becomes the
+  /// controller's own alarm (input_alarm.hpp). Called on the look-ahead thread.
   CommandResult select_stream(std::string name, std::string revision_hash,
                               std::unique_ptr<program::Source> stream, std::uint64_t total_bytes,
-                              Origin origin = Origin::panel);
+                              Origin origin = Origin::panel, std::function<std::string()> why_broken = {});
   // Moving by hand. The machine's own panel only: there is no way from the network to these.
   //
   // In a held or stopped program (manual intervention): choose jog or handle mode, move, choose the mode of
@@ -244,6 +246,9 @@ class Controller {
   // ---- storage thread: take events, commit them, then say so (the part count's M30 is finished only after
   // that)
   bool take_event(TimedEvent& out);
+  /// Called when there is an event to take or a retained value may have changed, on the thread that made it, under the
+  /// controller's lock: it may only wake somebody. Set before the first work().
+  void on_event(std::function<void()> wake);
   /// @param events how many of the events taken are on the disk now, in total since the controller was made.
   void committed(std::uint64_t events);
 

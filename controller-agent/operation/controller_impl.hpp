@@ -49,6 +49,7 @@ struct Selection {
   std::shared_ptr<program::Programs> memory;
   std::unique_ptr<program::Source> stream;  // drip-feed; taken at cycle start
   bool is_stream = false;
+  std::function<std::string()> why_broken;  // of the stream; see input_alarm.hpp
   std::uint64_t bytes = 0;
   bool unseen = false;  // chosen over the network, nobody at the machine has seen it
 };
@@ -131,6 +132,7 @@ struct Controller::Impl {
   void drop_park();
   void machine_fault(const axes::Fault& fault);
   void skip_over();
+  MachineAlarm broken_input() const;
 
   // ---- report.cpp: alarms, events, live
   void raise(const std::string& code, const std::string& detail, const interp::SourcePosition& at,
@@ -154,6 +156,7 @@ struct Controller::Impl {
   MotionFeed feed;
   Retrace retrace;
   std::function<void(const interp::Operation&)> observer;
+  std::function<void()> wake_storage;
 
   std::mutex lock;
   std::atomic<int> waiting{0};  // threads that want the lock from the look-ahead

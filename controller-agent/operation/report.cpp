@@ -52,6 +52,7 @@ void Controller::Impl::clear_alarms(bool messages_only) {
 void Controller::Impl::emit(Event event) {
   events.push_back({now_ms(), std::move(event)});
   ++events_made;
+  if (wake_storage) wake_storage();
 }
 
 void Controller::Impl::state_changed() {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "operation/controller_impl.hpp"
+#include "operation/input_alarm.hpp"
 #include "operation/macro_control.hpp"
 #include "operation/overtravel_alarm.hpp"
 #include "operation/unsupported.hpp"
@@ -215,8 +216,9 @@ void Controller::Impl::take(const interp::Operation& taken) {
   } else if (const auto* stop = std::get_if<interp::Stop>(&taken)) {
     if (!stop->optional || optional_stop) post(Await::program_stop, {});
   } else if (const auto* alarm = std::get_if<interp::Alarm>(&taken)) {
-    raised_here = {};
     pending_alarm = *alarm;
+    raised_here = broken_input();
+    if (!raised_here.code.empty()) pending_alarm.code = raised_here.code;
     post(Await::alarm, {});
   } else if (const auto* over = std::get_if<interp::End>(&taken)) {
     end = *over;
@@ -230,6 +232,12 @@ void Controller::Impl::stop_with(const MachineAlarm& alarm, const interp::Source
   raised_here = alarm;
   pending_alarm = {at, std::string(alarm.code), std::move(detail)};
   post(Await::alarm, {});
+}
+
+/// The alarm of the line that fed the program, when that is what ended it.
+MachineAlarm Controller::Impl::broken_input() const {
+  if (!main_window || !main_window->broken || !selection.why_broken) return {};
+  return input_alarm(machine.profile, selection.why_broken());
 }
 
 void Controller::Impl::skip_over() {
@@ -303,7 +311,7 @@ void Controller::Impl::data_ran_out() {
       (sample.starved || (sample.queue_empty && (feed.last_tag() == 0 || sample.tag == feed.last_tag())));
   // Two periods: the sample must have been made after the last data were planned.
   const bool ran_out = all_traced && now.periods > wait_since_period + 1;
-  if (!ran_out || (!anything_moved && waited_s < kFirstDataWithin_s)) return;
+  if (!ran_out || ((!anything_moved || programs.awaited()) && waited_s < kFirstDataWithin_s)) return;
   realtime.hold = true;
   const MachineAlarm text = starved_message();
   raise(std::string(text.code), {}, last_block, text, true);

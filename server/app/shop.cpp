@@ -214,6 +214,7 @@ awaitable<void> Shop::Impl::tick() {
 awaitable<void> Shop::Impl::drain() {
   try {
     co_await web->stop(drain_time);
+    co_await gateway.shut_down(500ms);
     gateway.stop();
     dnc.stop();
   } catch (const std::exception& error) {

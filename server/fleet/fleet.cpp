@@ -390,6 +390,11 @@ asio::awaitable<void> Fleet::census(std::int64_t machine, json programs) {
         {"machine", machine, std::make_shared<const json>(json{{"id", machine}, {"changed", "programs"}})});
 }
 
+asio::awaitable<server::MachineAnswer> Fleet::program_requested(std::int64_t machine, std::string name) {
+  if (impl_->distributor == nullptr) co_return server::MachineAnswer{false, "unsupported"};
+  co_return co_await impl_->distributor->requested(machine, std::move(name));
+}
+
 void Fleet::transfer_changed(const server::TransferState& state) {
   if (Entry* entry = impl_->find(state.machine); entry != nullptr && state.kind == "drip") {
     const bool over = state.state == "done" || state.state == "failed" || state.state == "cancelled";
