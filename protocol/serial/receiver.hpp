@@ -49,6 +49,8 @@ class Receiver {
   void on_backlog(std::size_t bytes);
   void cancel(Time now, std::string_view reason = "cancelled");
   void tick(Time now);
+  /// We have asked the other side to stop: on_backlog() has to be told when there is room again.
+  bool stopped() const { return stopped_; }
   /// Steering codes to be written now; empty when none.
   std::string take_output();
   Time wake(Time now) const;
