@@ -1,5 +1,7 @@
 #include "protocol/tape/machine_data.hpp"
 
+#include <bit>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 
@@ -171,32 +173,79 @@ std::vector<DataChange> changes(const std::vector<DataEntry>& before, const std:
   return found;
 }
 
-std::vector<PunchedOffset> punched_offsets(std::string_view text) {
-  constexpr std::uint32_t kGeometry = 10'000;
-  std::vector<PunchedOffset> found;
+namespace {
+
+constexpr unsigned long kGeometry = 10'000;  ///< P10003: geometry of tool 3
+
+double number_of(const Word& word) {
+  return std::strtod(std::string(word.number).c_str(), nullptr);
+}
+
+void name_work_offset(const std::vector<Word>& words, const std::string& l, unsigned long number,
+                      std::vector<NamedValue>& found) {
+  std::string system;
+  if (l == "20") {
+    system = "G54.1P" + std::to_string(number);
+  } else {
+    if (number > 6) return;
+    system = number == 0 ? "EXT" : "G" + std::to_string(53 + number);
+  }
+  for (const auto& word : words)
+    if (std::string_view("XYZABCUVW").find(word.address) != std::string_view::npos)
+      found.push_back({"work/" + system + "/" + word.address, number_of(word)});
+}
+
+void name_tool_offset(const std::vector<Word>& words, const std::string& l, unsigned long number,
+                      std::vector<NamedValue>& found) {
+  struct Mill {
+    std::string_view l, field;
+  };
+  constexpr Mill kMill[] = {{"10", "geometry/Z"}, {"11", "wear/Z"}, {"12", "radius"}, {"13", "radius_wear"}};
+  const bool wear = number <= kGeometry;
+  const std::string tool = "tool/" + std::to_string(wear ? number : number - kGeometry) + "/";
+  for (const auto& word : words) {
+    if (!l.empty()) {
+      for (const auto& row : kMill)
+        if (row.l == l && word.address == 'R')
+          found.push_back({tool + std::string(row.field), number_of(word)});
+    } else if (word.address == 'X' || word.address == 'Y' || word.address == 'Z') {
+      found.push_back({tool + (wear ? "wear/" : "geometry/") + word.address, number_of(word)});
+    } else if (word.address == 'R') {
+      found.push_back({tool + (wear ? "radius_wear" : "radius"), number_of(word)});
+    } else if (word.address == 'Q') {
+      found.push_back({tool + "tip", number_of(word)});
+    }
+  }
+}
+
+/// G10 L85 P500(4028000000000000): the bits of a double.
+void name_variable(std::string_view line, unsigned long number, std::vector<NamedValue>& found) {
+  const auto open = line.find('('), close = line.find(')', open);
+  if (open == std::string_view::npos || close == std::string_view::npos) return;
+  const std::string digits(line.substr(open + 1, close - open - 1));
+  if (digits.size() != 16 || digits.find_first_not_of("0123456789ABCDEF") != std::string::npos) return;
+  const std::uint64_t bits = std::strtoull(digits.c_str(), nullptr, 16);
+  const double value = std::bit_cast<double>(bits);
+  if (std::isfinite(value)) found.push_back({"variable/" + std::to_string(number), value});
+}
+
+}  // namespace
+
+std::vector<NamedValue> named_values(std::string_view text) {
+  std::vector<NamedValue> found;
   each_line(text, [&](std::string_view line) {
     const auto words = words_of(line);
     if (!words || words->empty() || words->front().address != 'G' || words->front().number != "10") return;
-    const auto* const number = find(*words, 'P');
+    const auto* const p = find(*words, 'P');
+    if (p == nullptr) return;
+    const unsigned long number = std::strtoul(std::string(p->number).c_str(), nullptr, 10);
     const std::string l = text_of(find(*words, 'L'));
-    if (number == nullptr || l == "2" || l == "20" || l == "3") return;
-    const auto raw =
-        static_cast<std::uint32_t>(std::strtoul(std::string(number->number).c_str(), nullptr, 10));
-    for (const auto& word : *words) {
-      if (word.address == 'G' || word.address == 'P' || word.address == 'L') continue;
-      PunchedOffset one;
-      one.value = std::strtod(std::string(word.number).c_str(), nullptr);
-      const bool mill = l.size() == 2 && l[0] == '1' && word.address == 'R';
-      if (mill) {
-        one.number = raw;
-        one.axis = l == "10" || l == "11" ? 'H' : 'D';
-        one.wear = l == "11" || l == "13";
-      } else {
-        one.number = raw > kGeometry ? raw - kGeometry : raw;
-        one.axis = word.address;
-        one.wear = raw <= kGeometry;
-      }
-      found.push_back(one);
+    if (l == "2" || l == "20") {
+      name_work_offset(*words, l, number, found);
+    } else if (l == "85") {
+      name_variable(line, number, found);
+    } else {
+      name_tool_offset(*words, l, number, found);
     }
   });
   return found;

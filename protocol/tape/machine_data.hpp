@@ -26,15 +26,16 @@ struct DataChange {
 };
 std::vector<DataChange> changes(const std::vector<DataEntry>& before, const std::vector<DataEntry>& after);
 
-/// A tool offset as the lathe and mill punches name it.
-struct PunchedOffset {
-  std::uint32_t number = 0;
-  char axis = 0;  ///< X Z Y R Q (tip) H (length) D (radius)
-  bool wear = false;
+/// A value under the name by which the rest of Headstock knows it
+/// (controller-agent/interpreter/data_values.hpp).
+struct NamedValue {
+  std::string what;  ///< tool/3/wear/X, tool/3/radius, work/G54/Z, variable/500 …
   double value = 0;  ///< in the control's own unit
+  bool operator==(const NamedValue&) const = default;
 };
-/// The tool offsets of a `tool_offsets` punch. Lathe: P1…, geometry from P10001; mill: L10 H geometry, L11 H
-/// wear, L12 D geometry, L13 D wear.
-std::vector<PunchedOffset> punched_offsets(std::string_view text);
+/// Offsets, work offsets and macro variables of a punch; values of other forms are left out (parameters come
+/// in bits and pieces that only their own control can put together). Lathe: P1 is wear and, where there is
+/// geometry, P10001 its geometry; mill: L10 length, L11 its wear, L12 radius, L13 its wear.
+std::vector<NamedValue> named_values(std::string_view text);
 
 }  // namespace headstock::tape

@@ -44,19 +44,26 @@ TEST(MachineData, DifferencesNameBothSides) {
   EXPECT_FALSE(found[2].after);
 }
 
-TEST(MachineData, OffsetsOfLatheAndMill) {
-  const auto lathe = punched_offsets("%\nG10 P01 X0.1 Z-0.05 R0.4 Q3\nG10 P10001 X12.5\n%\n");
-  ASSERT_EQ(lathe.size(), 5u);
-  EXPECT_EQ(lathe[1].axis, 'Z');
-  EXPECT_TRUE(lathe[1].wear);
-  EXPECT_DOUBLE_EQ(lathe[1].value, -0.05);
-  EXPECT_EQ(lathe[4].number, 1u);
-  EXPECT_FALSE(lathe[4].wear);
-  const auto mill = punched_offsets("G10 G90 L10 P1 R120.5\nG10 L13 P2 R0.02\nG10 L2 P1 X1.\n");
-  ASSERT_EQ(mill.size(), 2u);
-  EXPECT_EQ(mill[0].axis, 'H');
-  EXPECT_EQ(mill[1].axis, 'D');
-  EXPECT_TRUE(mill[1].wear);
+TEST(MachineData, ValuesByTheNamesOfTheMachinesPages) {
+  using Named = std::vector<NamedValue>;
+  EXPECT_EQ(named_values("%\nG10 P03 X0.1 Z-0.05 R0.4 Q3\nG10 P10003 X12.5 R0.8\n%\n"),
+            (Named{{"tool/3/wear/X", 0.1},
+                   {"tool/3/wear/Z", -0.05},
+                   {"tool/3/radius_wear", 0.4},
+                   {"tool/3/tip", 3},
+                   {"tool/3/geometry/X", 12.5},
+                   {"tool/3/radius", 0.8}}));
+  EXPECT_EQ(named_values("G10 G90 L10 P1 R120.5\nG10 L11 P1 R-.5\nG10 L12 P2 R5.\nG10 L13 P2 R0.02\n"),
+            (Named{{"tool/1/geometry/Z", 120.5},
+                   {"tool/1/wear/Z", -0.5},
+                   {"tool/2/radius", 5},
+                   {"tool/2/radius_wear", 0.02}}));
+  EXPECT_EQ(named_values("G10 L2 P1 X-200. Y0\nG10 L2 P0 Z1.\nG10 L20 P7 X3.\n"),
+            (Named{{"work/G54/X", -200}, {"work/G54/Y", 0}, {"work/EXT/Z", 1}, {"work/G54.1P7/X", 3}}));
+  EXPECT_EQ(named_values("G10 L85 P500(4028000000000000)\nG10 L85 P501(FFFFFFFFFFFFFFFF)\n"),
+            (Named{{"variable/500", 12}}))
+      << "0/0 is an empty variable";
+  EXPECT_TRUE(named_values("N01320 A1 P500\nG00 X1.\n").empty());
 }
 
 }  // namespace
