@@ -275,6 +275,7 @@ void Shop::start() {
   try {
     impl_->gateway.start();
     impl_->start_web();
+    impl_->dnc.watch_the_clock();
   } catch (const StartError&) {
     throw;
   } catch (const std::exception& error) {

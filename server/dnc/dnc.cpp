@@ -106,6 +106,9 @@ awaitable<void> Dnc::start() {
     return found;
   };
   for (const auto& [row, measured] : co_await impl_->store.run(read)) impl_->install(row, measured);
+}
+
+void Dnc::watch_the_clock() {
   impl_->watch_the_clock();
 }
 

@@ -86,6 +86,8 @@ class Dnc {
 
   /// What the last run left open has failed (server_restarted); listening ports are opened.
   boost::asio::awaitable<void> start();
+  /// Looks at the plans every second from now on. Not part of start(): it never ends.
+  void watch_the_clock();
   /// Ends everything; the server is stopping.
   void stop();
 

@@ -215,6 +215,7 @@ TEST_F(RecordsTest, TheLogHasEveryTransferAndNoFormulas) {
   agent.program = program.program.id;
   agent.revision = 1;
   agent.name = "O0001";
+  agent.sha256 = program.revision.blob.sha256;
   agent.kind = "put";
   agent.state = "done";
   agent.by = "op";
