@@ -97,6 +97,7 @@ struct Shop::Impl {
         services{io,    *store,      workers, *blobs,  accounts, checks, lines,
                  distributor, fleet, changes, gateway, dnc, jobs, version()} {
     fleet.set_distributor(&distributor);
+    dnc.set_agents(agents_as_ports());
     api::add_all_routes(router, services);
   }
 
@@ -108,6 +109,7 @@ struct Shop::Impl {
     return agents;
   }
 
+  dnc::AgentCarrier agents_as_ports();
   void publish(const db::TransferRow& row);
   void publish_port(std::int64_t port);
   void make_first_administrator();
@@ -145,7 +147,24 @@ struct Shop::Impl {
   bool stopping = false;
 };
 
+dnc::AgentCarrier Shop::Impl::agents_as_ports() {
+  dnc::AgentCarrier agents;
+  agents.is_connected = [this](std::int64_t machine) { return gateway.is_connected(machine); };
+  agents.send = [this](access::Actor actor, std::int64_t machine, std::int64_t program, std::int64_t revision,
+                       bool drip) -> awaitable<db::TransferRow> {
+    if (drip) co_return co_await distributor.drip(std::move(actor), machine, program, revision);
+    std::vector<std::int64_t> machines(1, machine);
+    auto sent = co_await distributor.distribute(std::move(actor), program, revision, std::move(machines));
+    co_return sent.transfers.at(0);
+  };
+  agents.cancel = [this](access::Actor actor, std::int64_t transfer) {
+    return distributor.cancel(std::move(actor), transfer);
+  };
+  return agents;
+}
+
 void Shop::Impl::publish(const db::TransferRow& row) {
+  dnc.agent_transfer(row);
   changes.publish({"transfer", row.machine, std::make_shared<const nlohmann::json>(nlohmann::json{{"transfer", api::to_json(row)}})});
 }
 
@@ -257,6 +276,7 @@ void Shop::start() {
   try {
     impl_->gateway.start();
     impl_->start_web();
+    impl_->dnc.watch_the_clock();
   } catch (const StartError&) {
     throw;
   } catch (const std::exception& error) {

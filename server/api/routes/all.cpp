@@ -13,6 +13,7 @@ void add_all_routes(Router& router, Services& services) {
   router.add(revision_routes(services));
   router.add(transfer_routes(services));
   router.add(port_routes(services));
+  router.add(port_record_routes(services));
 }
 
 }  // namespace headstock::api
