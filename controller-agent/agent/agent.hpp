@@ -6,6 +6,7 @@
 #include <mutex>
 #include <string>
 
+#include "agent/data_desk.hpp"
 #include "agent/data_folder.hpp"
 #include "agent/machine_clock.hpp"
 #include "agent/retained.hpp"
@@ -56,6 +57,9 @@ class Agent final : public link::LinkHost {
   operation::CommandResult select(const std::string& name, const std::string& user) override;
   operation::CommandResult open_stream(const std::string& name, const std::string& sha256,
                                        std::unique_ptr<program::Source> stream, std::uint64_t total_bytes) override;
+  void write_data(const nlohmann::json& request, std::function<void(nlohmann::json)> done) override;
+  nlohmann::json data_report() override;
+  void events_committed() override;
   void link_up(const link::ServerSettings& settings) override;
   void link_lost(const std::string& reason) override;
 
@@ -68,6 +72,7 @@ class Agent final : public link::LinkHost {
   std::unique_ptr<link::Spool> spool_;
   std::shared_ptr<link::ProgramMemory> memory_;
   std::unique_ptr<operation::Controller> controller_;
+  std::unique_ptr<DataDesk> desk_;
   std::unique_ptr<Storage> storage_;
   std::unique_ptr<MachineClock> clock_;
   boost::asio::io_context io_;

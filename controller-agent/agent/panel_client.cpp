@@ -48,6 +48,9 @@ constexpr Verb kVerbs[] = {
     {"dry-run", "set_dry_run", Takes::on_off, "on or off"},
     {"machine-lock", "set_machine_lock", Takes::on_off, "on or off"},
     {"required", "set_parts_required", Takes::number, "parts required"},
+    {"set", "set_value", Takes::name, "write an offset, parameter or variable: tool/3/wear/X=0.02, tool/3/wear/X+=0.01"},
+    {"measured", "measured_value", Takes::name, "the same as a measured value: tool/3/geometry/X=-112.4"},
+    {"parameter-write", "parameter_write", Takes::on_off, "on: parameters may be written (here and from the server)"},
     {"clear-parts", "reset_parts", Takes::nothing, "part count to zero (the total stays)"},
 };
 constexpr std::string_view kModes[] = {"edit", "memory", "mdi", "jog", "handle", "reference", "remote"};

@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "dialects/data_rules.hpp"
+
 namespace headstock::agent {
 namespace {
 
@@ -10,7 +12,6 @@ using nlohmann::json;
 constexpr const char* kCounters = "counters";
 constexpr const char* kSelected = "selected";
 constexpr const char* kData = "data";
-constexpr std::uint32_t kFirstRetained = 500;  // the variables below do not outlive the power of any control
 
 std::vector<char> axis_names(const machine::Machine& machine) {
   std::vector<char> names;
@@ -37,7 +38,8 @@ link::RetainedValue counters_value(const operation::Retained& r) {
                       {"last_alarm", r.last_alarm},
                       {"feed_override", r.feed_override},
                       {"rapid_override", r.rapid_override},
-                      {"spindle_override", r.spindle_override}};
+                      {"spindle_override", r.spindle_override},
+                      {"run_open", r.run_open}};
   return {kCounters, value.dump()};
 }
 
@@ -53,6 +55,7 @@ operation::Retained read_counters(const link::Spool& spool) {
   r.feed_override = value.value("feed_override", r.feed_override);
   r.rapid_override = value.value("rapid_override", r.rapid_override);
   r.spindle_override = value.value("spindle_override", r.spindle_override);
+  r.run_open = value.value("run_open", false);
   return r;
 }
 
@@ -69,9 +72,7 @@ SelectedProgram read_selected(const link::Spool& spool) {
 
 link::RetainedValue data_value(const interp::MachineData& data, const machine::Machine& machine) {
   json variables = json::object();
-  for (const auto& [number, value] : data.common_variables) {
-    if (number >= kFirstRetained) variables[std::to_string(number)] = value;
-  }
+  for (const auto& [number, value] : data.common_variables) variables[std::to_string(number)] = value;
   const json value = {{"offsets", json::parse(interp::offsets_to_json(data, axis_names(machine)))},
                       {"parameters", data.parameters},
                       {"variables", std::move(variables)},
@@ -79,7 +80,7 @@ link::RetainedValue data_value(const interp::MachineData& data, const machine::M
   return {kData, value.dump()};
 }
 
-interp::MachineData read_data(const link::Spool& spool, const machine::Machine& machine) {
+interp::MachineData read_data(const link::Spool& spool, const machine::Machine& machine, Variables which) {
   interp::MachineData data;
   const json value = parsed(spool, kData);
   if (value.is_null()) return data;
@@ -87,8 +88,12 @@ interp::MachineData read_data(const link::Spool& spool, const machine::Machine& 
   if (problem.empty()) problem = interp::load_parameters(value.at("parameters").dump(), data);
   if (!problem.empty())
     throw std::runtime_error("the stored offsets and parameters cannot be read: " + problem);
-  for (const auto& [number, number_value] : value.at("variables").items()) {
-    data.common_variables[static_cast<std::uint32_t>(std::stoul(number))] = number_value.get<double>();
+  const auto* dialect = dialects::find(machine.profile);
+  const dialects::OffsetPage page = dialect != nullptr ? dialects::offset_page(*dialect, data) : dialects::OffsetPage{};
+  for (const auto& [name, number_value] : value.at("variables").items()) {
+    const auto number = static_cast<std::uint32_t>(std::stoul(name));
+    const bool kept = number >= page.first_kept && number <= page.last_kept;
+    if (kept || which == Variables::all) data.common_variables[number] = number_value.get<double>();
   }
   data.version = value.value("version", std::uint64_t{0});
   return data;

@@ -91,6 +91,8 @@ asio::awaitable<bool> Session::run() {
   acknowledged_ = sent_event_ = parts_->spool.acknowledged();
   if (parts_->identity.trying_renewed()) parts_->identity.keep_renewed();
   send_census();
+  report_due_ = true;
+  report_data();
   for (const auto& [id, unconfirmed] : parts_->transfers.unconfirmed)
     connection_->send(Type::transfer_result, 0, wire::encode(unconfirmed));
   std::uint32_t resumed = kResumedStreams;
@@ -159,10 +161,14 @@ void Session::handle(const wire::Frame& frame) {
         if (acknowledged_ < sent_event_)
           sent_event_ = acknowledged_;  // only a part was taken: the rest again
         pump_events();
+        report_data();
       });
       break;
     case Type::command:
       with<wire::Command>(frame, [&](const auto& m) { on_command(m); });
+      break;
+    case Type::data_write:
+      on_data_write(frame);
       break;
     case Type::program_put:
       with<wire::TransferOpen>(frame, [&](const auto& m) { on_put(stream, m); });
@@ -216,6 +222,7 @@ void Session::handle(const wire::Frame& frame) {
 // ---- events, census, live
 
 void Session::events_committed() {
+  parts_->host.events_committed();
   pump_events();
 }
 
