@@ -91,7 +91,6 @@ asio::awaitable<bool> Session::run() {
   acknowledged_ = sent_event_ = parts_->spool.acknowledged();
   if (parts_->identity.trying_renewed()) parts_->identity.keep_renewed();
   send_census();
-  report_due_ = true;
   report_data();
   for (const auto& [id, unconfirmed] : parts_->transfers.unconfirmed)
     connection_->send(Type::transfer_result, 0, wire::encode(unconfirmed));
@@ -124,6 +123,7 @@ asio::awaitable<void> Session::report_loop() {
   while (active()) {
     const auto now = Clock::now();
     sample_trail();
+    report_data();
     if (now >= next_live) {
       send_live();
       next_live = now + std::max(options.live_interval, std::chrono::milliseconds(100));

@@ -103,7 +103,8 @@ class Session : public std::enable_shared_from_this<Session> {
   bool welcomed_ = false;
   std::string refusal_;
   std::int64_t machine_ = 0;
-  bool report_due_ = false;  ///< the data as they are have not been sent on this connection
+  std::chrono::steady_clock::time_point reported_{};
+  std::string reported_values_;  ///< hash of what was reported last on this connection
   std::uint64_t sent_event_ = 0, acknowledged_ = 0, pings_ = 0;
   std::map<std::uint32_t, Put> puts_;
   nlohmann::json trail_ = nlohmann::json::array();

@@ -1,22 +1,37 @@
 // Offsets, parameters and variables on the link: the report of what the machine has, and what is written to it.
+#include <spdlog/spdlog.h>
+
 #include <nlohmann/json.hpp>
 
 #include "link/session.hpp"
+#include "protocol/wire/digest.hpp"
 
 namespace headstock::link {
 
 using nlohmann::json;
 using wire::Type;
 
+/// The events tell every change; the report shows now and then that nothing else has changed.
+constexpr std::chrono::seconds kReportInterval{5};
+
 /// Only when the server has taken every event that led to these values: otherwise it would see differences that
 /// the events on their way explain.
 void Session::report_data() {
-  if (!report_due_ || !active() || parts_->spool.pending() != 0) return;
+  if (!active() || parts_->spool.pending() != 0) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (reported_ != std::chrono::steady_clock::time_point{} && now - reported_ < kReportInterval) return;
   const json report = parts_->host.data_report();
   if (!report.is_object()) return;
   if (report.value("sequence", std::uint64_t{0}) > acknowledged_) return;  // one came in between: after its ack
-  report_due_ = false;
-  connection_->send(Type::data_report, 0, wire::encode_json(report));
+  reported_ = now;
+  const std::string body = wire::encode_json(report);
+  // What has not changed is not told again.
+  const std::string digest = wire::sha256_hex(wire::encode_json(report.value("values", json::object())) +
+                                              (report.value("parameter_write", false) ? "+" : "-"));
+  if (digest == reported_values_) return;
+  reported_values_ = digest;
+  if (body.size() > wire::kMaxControlBytes) return spdlog::error("link: too many values for one report");
+  connection_->send(Type::data_report, 0, body);
 }
 
 void Session::on_data_write(const wire::Frame& frame) {
