@@ -14,13 +14,13 @@ namespace headstock::fleet {
 
 struct Order {
   std::int64_t id = 0;
-  std::string name;
+  std::string name = {};
   std::int64_t machine = 0;  ///< 0: any
-  std::string program;       ///< as the machines name it; empty: any
+  std::string program = {};  ///< as the machines name it; empty: any
   std::int64_t required = 0, from_ms = 0;
-  std::string by;
-  std::optional<std::int64_t> closed_ms;
-  std::string closed_by;
+  std::string by = {};
+  std::optional<std::int64_t> closed_ms = {};
+  std::string closed_by = {};
   std::int64_t made = 0, rejected = 0;
 };
 std::vector<Order> orders(db::Database& db, bool open_only);
