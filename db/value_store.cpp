@@ -6,26 +6,34 @@ namespace headstock::db {
 namespace {
 
 constexpr const char* kChange =
-    "SELECT id, machine_id, spool, sequence, at_ms, received_ms, what, before_value, after_value, origin, by_user, "
+    "SELECT id, machine_id, spool, sequence, at_ms, received_ms, what, before_value, after_value, origin, "
+    "by_user, "
     "request_id FROM value_changes";
 constexpr const char* kRequest =
-    "SELECT id, machine_id, by_user, at_ms, origin, why, state, needs_second, second_user, second_ms, reason, "
+    "SELECT id, machine_id, by_user, at_ms, origin, why, state, needs_second, second_user, second_ms, "
+    "reason, "
     "where_value, ended_ms FROM value_requests";
 
 ValueChangeRow change_of(const Row& row) {
-  return {row.integer(0), row.integer(1),    row.text(2),       row.maybe_integer(3), row.integer(4), row.integer(5),
-          row.text(6),    row.maybe_real(7), row.maybe_real(8), row.text(9),          row.text(10),   row.integer(11)};
+  return {row.integer(0),    row.integer(1), row.text(2),  row.maybe_integer(3),
+          row.integer(4),    row.integer(5), row.text(6),  row.maybe_real(7),
+          row.maybe_real(8), row.text(9),    row.text(10), row.integer(11)};
 }
 
 ValueRequestRow request_of(const Row& row) {
-  return {row.integer(0), row.integer(1), row.text(2),          row.integer(3), row.text(4),
-          row.text(5),    row.text(6),    row.text(7),          row.text(8),    row.maybe_integer(9),
-          row.text(10),   row.text(11),   row.maybe_integer(12), {}};
+  return {row.integer(0),        row.integer(1),
+          row.text(2),           row.integer(3),
+          row.text(4),           row.text(5),
+          row.text(6),           row.text(7),
+          row.text(8),           row.maybe_integer(9),
+          row.text(10),          row.text(11),
+          row.maybe_integer(12), {}};
 }
 
 void read_items(Database& db, ValueRequestRow& request) {
   db.each(
-      "SELECT what, before_value, after_value, read_back, was_read FROM value_request_items WHERE request_id = ? "
+      "SELECT what, before_value, after_value, read_back, was_read FROM value_request_items WHERE request_id "
+      "= ? "
       "ORDER BY position",
       {request.id}, [&](const Row& row) {
         request.items.push_back(
@@ -33,7 +41,7 @@ void read_items(Database& db, ValueRequestRow& request) {
       });
 }
 
-constexpr auto id_of = [](const auto& row) { return row.id; };
+constexpr auto row_id = [](const auto& row) { return row.id; };
 
 }  // namespace
 
@@ -41,7 +49,8 @@ void put_value(Database& db, std::int64_t machine, const std::string& what, std:
                const std::string& spool, std::int64_t sequence, std::int64_t at_ms) {
   // By the machine's own order, not by its clock: a late event does not undo a newer value.
   db.execute(
-      "INSERT INTO machine_values (machine_id, what, value, spool, sequence, at_ms) VALUES (?, ?, ?, ?, ?, ?) "
+      "INSERT INTO machine_values (machine_id, what, value, spool, sequence, at_ms) VALUES (?, ?, ?, ?, ?, "
+      "?) "
       "ON CONFLICT (machine_id, what) DO UPDATE SET value = excluded.value, spool = excluded.spool, "
       "sequence = excluded.sequence, at_ms = excluded.at_ms "
       "WHERE machine_values.spool <> excluded.spool OR machine_values.sequence <= excluded.sequence",
@@ -50,9 +59,11 @@ void put_value(Database& db, std::int64_t machine, const std::string& what, std:
 
 void insert_value_change(Database& db, const ValueChangeRow& c) {
   db.execute(
-      "INSERT INTO value_changes (machine_id, spool, sequence, at_ms, received_ms, what, before_value, after_value, "
+      "INSERT INTO value_changes (machine_id, spool, sequence, at_ms, received_ms, what, before_value, "
+      "after_value, "
       "origin, by_user, request_id) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-      {c.machine, c.spool, c.sequence, c.at_ms, c.received_ms, c.what, c.before, c.after, c.origin, c.by, c.request});
+      {c.machine, c.spool, c.sequence, c.at_ms, c.received_ms, c.what, c.before, c.after, c.origin, c.by,
+       c.request});
 }
 
 Listed<ValueChangeRow> value_changes(Database& db, const ValueChangeFilter& filter, const Page& page) {
@@ -67,7 +78,7 @@ Listed<ValueChangeRow> value_changes(Database& db, const ValueChangeFilter& filt
   if (filter.from_ms) where.add("at_ms >= ?", *filter.from_ms);
   if (filter.to_ms) where.add("at_ms < ?", *filter.to_ms);
   where.page("id", page);
-  return listed<ValueChangeRow>(db, kChange, where, "id", page, change_of, id_of);
+  return listed<ValueChangeRow>(db, kChange, where, "id", page, change_of, row_id);
 }
 
 bool request_was_carried_out(Database& db, std::int64_t request) {
@@ -92,13 +103,15 @@ MachineValues machine_values(Database& db, std::int64_t machine, std::optional<s
 
 std::int64_t insert_value_request(Database& db, const ValueRequestRow& r) {
   const std::int64_t id = *db.integer(
-      "INSERT INTO value_requests (machine_id, by_user, at_ms, origin, why, state, needs_second, reason, where_value, "
+      "INSERT INTO value_requests (machine_id, by_user, at_ms, origin, why, state, needs_second, reason, "
+      "where_value, "
       "ended_ms) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING id",
       {r.machine, r.by, r.at_ms, r.origin, r.why, r.state, r.needs_second, r.reason, r.where, r.ended_ms});
   std::int64_t position = 0;
   for (const ValueItem& item : r.items)
     db.execute(
-        "INSERT INTO value_request_items (request_id, position, what, before_value, after_value) VALUES (?, ?, ?, ?, "
+        "INSERT INTO value_request_items (request_id, position, what, before_value, after_value) VALUES (?, "
+        "?, ?, ?, "
         "?)",
         {id, position++, item.what, item.before, item.after});
   return id;
@@ -106,14 +119,16 @@ std::int64_t insert_value_request(Database& db, const ValueRequestRow& r) {
 
 void update_value_request(Database& db, const ValueRequestRow& r) {
   db.execute(
-      "UPDATE value_requests SET state = ?, second_user = ?, second_ms = ?, reason = ?, where_value = ?, ended_ms = ? "
+      "UPDATE value_requests SET state = ?, second_user = ?, second_ms = ?, reason = ?, where_value = ?, "
+      "ended_ms = ? "
       "WHERE id = ?",
       {r.state, r.second, r.second_ms, r.reason, r.where, r.ended_ms, r.id});
   std::int64_t position = 0;
   for (const ValueItem& item : r.items) {
     if (item.was_read)
-      db.execute("UPDATE value_request_items SET read_back = ?, was_read = 1 WHERE request_id = ? AND position = ?",
-                 {item.read_back, r.id, position});
+      db.execute(
+          "UPDATE value_request_items SET read_back = ?, was_read = 1 WHERE request_id = ? AND position = ?",
+          {item.read_back, r.id, position});
     ++position;
   }
 }
@@ -131,7 +146,7 @@ Listed<ValueRequestRow> value_requests(Database& db, const ValueRequestFilter& f
   if (!filter.state.empty()) where.add("state = ?", filter.state);
   if (filter.open_only) where.add("ended_ms IS NULL");
   where.page("id", page);
-  auto list = listed<ValueRequestRow>(db, kRequest, where, "id", page, request_of, id_of);
+  auto list = listed<ValueRequestRow>(db, kRequest, where, "id", page, request_of, row_id);
   for (ValueRequestRow& request : list.items) read_items(db, request);
   return list;
 }
@@ -143,10 +158,12 @@ std::map<std::string, double> value_limits(Database& db, std::int64_t machine) {
   return limits;
 }
 
-void put_value_limit(Database& db, std::int64_t machine, const std::string& kind, std::optional<double> step) {
+void put_value_limit(Database& db, std::int64_t machine, const std::string& kind,
+                     std::optional<double> step) {
   if (step)
     db.execute(
-        "INSERT INTO value_limits (machine_id, kind, step) VALUES (?, ?, ?) ON CONFLICT (machine_id, kind) DO UPDATE "
+        "INSERT INTO value_limits (machine_id, kind, step) VALUES (?, ?, ?) ON CONFLICT (machine_id, kind) "
+        "DO UPDATE "
         "SET step = excluded.step",
         {machine, kind, *step});
   else
@@ -155,19 +172,23 @@ void put_value_limit(Database& db, std::int64_t machine, const std::string& kind
 
 std::int64_t insert_snapshot(Database& db, const SnapshotRow& s, const MachineValues& values) {
   const std::int64_t id = *db.integer(
-      "INSERT INTO value_snapshots (machine_id, profile, name, by_user, at_ms) VALUES (?, ?, ?, ?, ?) RETURNING id",
+      "INSERT INTO value_snapshots (machine_id, profile, name, by_user, at_ms) VALUES (?, ?, ?, ?, ?) "
+      "RETURNING id",
       {s.machine, s.profile, s.name, s.by, s.at_ms});
   for (const auto& [what, value] : values)
-    db.execute("INSERT INTO value_snapshot_rows (snapshot_id, what, value) VALUES (?, ?, ?)", {id, what, value});
+    db.execute("INSERT INTO value_snapshot_rows (snapshot_id, what, value) VALUES (?, ?, ?)",
+               {id, what, value});
   return id;
 }
 
 namespace {
 constexpr const char* kSnapshot =
-    "SELECT s.id, s.machine_id, s.profile, s.name, s.by_user, s.at_ms, (SELECT COUNT(*) FROM value_snapshot_rows r "
+    "SELECT s.id, s.machine_id, s.profile, s.name, s.by_user, s.at_ms, (SELECT COUNT(*) FROM "
+    "value_snapshot_rows r "
     "WHERE r.snapshot_id = s.id) FROM value_snapshots s";
 SnapshotRow snapshot_of(const Row& row) {
-  return {row.integer(0), row.integer(1), row.text(2), row.text(3), row.text(4), row.integer(5), row.integer(6)};
+  return {row.integer(0), row.integer(1), row.text(2),   row.text(3),
+          row.text(4),    row.integer(5), row.integer(6)};
 }
 }  // namespace
 
@@ -180,7 +201,8 @@ std::vector<SnapshotRow> snapshots(Database& db, std::int64_t machine) {
 
 std::optional<SnapshotRow> snapshot(Database& db, std::int64_t id) {
   std::optional<SnapshotRow> found;
-  db.each(std::string(kSnapshot) + " WHERE s.id = ?", {id}, [&](const Row& row) { found = snapshot_of(row); });
+  db.each(std::string(kSnapshot) + " WHERE s.id = ?", {id},
+          [&](const Row& row) { found = snapshot_of(row); });
   return found;
 }
 

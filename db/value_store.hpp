@@ -1,5 +1,5 @@
-// Offsets, tool life, parameters and variables of the machines: what each has, how it came to that, what people
-// asked to be written, limits and snapshots. Plain rows; the rules are in server/fleet. Store thread.
+// Offsets, tool life, parameters and variables of the machines: what each has, how it came to that, what
+// people asked to be written, limits and snapshots. Plain rows; the rules are in server/fleet. Store thread.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +19,13 @@ using MachineValues = std::map<std::string, double>;
 struct ValueChangeRow {
   std::int64_t id = 0, machine = 0;
   std::string spool;
-  std::optional<std::int64_t> sequence;  ///< of the event; nothing: found when the machine reported all it has
+  std::optional<std::int64_t>
+      sequence;  ///< of the event; nothing: found when the machine reported all it has
   std::int64_t at_ms = 0, received_ms = 0;
   std::string what;
   std::optional<double> before, after;  ///< nothing: not set
-  std::string origin;  ///< G10, measurement, program, panel, person, import, copy, restore, compensation, found
+  std::string
+      origin;  ///< G10, measurement, program, panel, person, import, copy, restore, compensation, found
   std::string by;
   std::int64_t request = 0;
 };
@@ -37,7 +39,8 @@ Listed<ValueChangeRow> value_changes(Database& db, const ValueChangeFilter& filt
 bool request_was_carried_out(Database& db, std::int64_t request);
 
 /// Everything set now, or (with `at_ms`) as it was then by the changes' own times.
-MachineValues machine_values(Database& db, std::int64_t machine, std::optional<std::int64_t> at_ms = std::nullopt);
+MachineValues machine_values(Database& db, std::int64_t machine,
+                             std::optional<std::int64_t> at_ms = std::nullopt);
 /// The value now, unless the same spool has told a later one.
 void put_value(Database& db, std::int64_t machine, const std::string& what, std::optional<double> value,
                const std::string& spool, std::int64_t sequence, std::int64_t at_ms);

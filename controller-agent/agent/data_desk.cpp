@@ -33,7 +33,8 @@ bool read_request(const json& body, operation::EditRequest& request) {
   if (const auto number = body.find("request"); number != body.end() && number->is_number_unsigned())
     request.request = number->get<std::uint64_t>();
   const auto values = body.find("values");
-  if (values == body.end() || !values->is_array() || values->empty() || values->size() > kMostValues) return false;
+  if (values == body.end() || !values->is_array() || values->empty() || values->size() > kMostValues)
+    return false;
   for (const json& one : *values) {
     if (!one.is_object() || !one.contains("what") || !one["what"].is_string()) return false;
     const auto before = number_or_null(one, "before"), after = number_or_null(one, "after");
@@ -128,7 +129,8 @@ operation::EditResult DataDesk::write_here(const std::string& assignment, const 
 }
 
 json DataDesk::report() const {
-  // A commit with data has events with it: when the sequence is the same before and after, they belong together.
+  // A commit with data has events with it: when the sequence is the same before and after, they belong
+  // together.
   while (true) {
     const std::uint64_t sequence = spool_.last_sequence();
     const interp::MachineData stored = read_data(spool_, controller_.machine(), Variables::all);

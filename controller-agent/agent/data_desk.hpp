@@ -1,5 +1,6 @@
-// Where offsets, tool life, parameters and variables are written by hand: from the server over the link, and at
-// the machine's own panel. A write is done when it is on the disk and was read back from there. Network thread.
+// Where offsets, tool life, parameters and variables are written by hand: from the server over the link, and
+// at the machine's own panel. A write is done when it is on the disk and was read back from there. Network
+// thread.
 #pragma once
 
 #include <cstdint>

@@ -13,20 +13,21 @@ namespace {
 using interp::MachineData;
 using interp::ValueKind;
 
-/// What differs between the profiles. Parameter numbers as in dialects/*/parameters.tsv; empty: there is none.
+/// What differs between the profiles. Parameter numbers as in dialects/*/parameters.tsv; empty: there is
+/// none.
 struct Rules {
   std::string_view profile;
   double largest_mm, largest_radius_mm;
-  std::string_view fewer_numbers = {};     ///< bit: only `few` offset numbers (0i-D 8136#5)
+  std::string_view fewer_numbers = {};  ///< bit: only `few` offset numbers (0i-D 8136#5)
   std::size_t few = 0;
-  std::string_view no_wear = {};           ///< bit: no geometry/wear memory (0i-D 8136#6)
-  std::string_view coarse = {}, fine = {};      ///< bits that move the decimal point of offsets (0i-D 5042#0, #1)
-  std::string_view largest_wear = {};      ///< K2000TC P3220
-  std::string_view wear_step = {};         ///< GSK 2000TC P140: of one input
+  std::string_view no_wear = {};            ///< bit: no geometry/wear memory (0i-D 8136#6)
+  std::string_view coarse = {}, fine = {};  ///< bits that move the decimal point of offsets (0i-D 5042#0, #1)
+  std::string_view largest_wear = {};       ///< K2000TC P3220
+  std::string_view wear_step = {};          ///< GSK 2000TC P140: of one input
   double default_wear_step = 0;
-  std::string_view locked_from = {}, locked_count = {};        ///< offset numbers (GSK 2000TC P093, P094)
-  std::string_view variables_from = {}, variables_to = {};     ///< protected common variables (0i-D 6031, 6032)
-  bool while_running = false;         ///< lathe T and mill H take a new value at their next command (0i-D 5001#6)
+  std::string_view locked_from = {}, locked_count = {};     ///< offset numbers (GSK 2000TC P093, P094)
+  std::string_view variables_from = {}, variables_to = {};  ///< protected common variables (0i-D 6031, 6032)
+  bool while_running = false;  ///< lathe T and mill H take a new value at their next command (0i-D 5001#6)
   int extra_systems = 0, work_systems = 6;
   std::uint32_t first_variable = 100, last_volatile = 199, first_kept = 500, last_kept = 999;
 };
@@ -98,9 +99,11 @@ std::string refuse_tool(const Dialect& dialect, const MachineData& data, std::st
   const auto locked_from = static_cast<std::uint32_t>(std::max(0.0, data.parameter(rules.locked_from)));
   const auto locked = static_cast<std::uint32_t>(std::max(0.0, data.parameter(rules.locked_count)));
   if (locked != 0 && number >= locked_from && number - locked_from < locked) return "locked";
-  if (field == "tip") return value == std::floor(value) && value >= 0 && value <= page.tips ? "" : "out_of_range";
-  const double most =
-      wear ? page.largest_wear_mm : field == "radius" ? std::min(rules.largest_radius_mm, page.largest_mm) : page.largest_mm;
+  if (field == "tip")
+    return value == std::floor(value) && value >= 0 && value <= page.tips ? "" : "out_of_range";
+  const double most = wear                ? page.largest_wear_mm
+                      : field == "radius" ? std::min(rules.largest_radius_mm, page.largest_mm)
+                                          : page.largest_mm;
   if (!(std::fabs(value) <= most)) return "out_of_range";
   if (wear && !rules.wear_step.empty()) {
     const double step = data.parameter(rules.wear_step, rules.default_wear_step);
@@ -130,7 +133,8 @@ std::string refuse_parameter(const Dialect& dialect, const MachineData& data, st
     return was_set ? "" : "bad_place";
   if (!value) return {};
   if (key.find('#') != key.npos && *value != 0 && *value != 1) return "out_of_range";
-  if (const auto range = parameter_range(row.range); range && !(*value >= range->least && *value <= range->most))
+  if (const auto range = parameter_range(row.range);
+      range && !(*value >= range->least && *value <= range->most))
     return "out_of_range";
   return {};
 }
@@ -217,11 +221,13 @@ std::optional<NumberRange> parameter_range(std::string_view text) {
     return NumberRange{-range.most, range.most};
   if (!take(range.least)) return std::nullopt;
   static constexpr std::array<std::string_view, 4> kBetween = {"..", "-", "/", "~"};
-  const auto* between = std::ranges::find_if(kBetween, [&](std::string_view one) { return text.starts_with(one); });
+  const auto* between =
+      std::ranges::find_if(kBetween, [&](std::string_view one) { return text.starts_with(one); });
   if (between == kBetween.end()) return std::nullopt;
   text.remove_prefix(between->size());
   if (!take(range.most) || range.most < range.least) return std::nullopt;
-  // "0-30000 (table: …)": the remark may say otherwise for one model, the range holds. Units and lists do not.
+  // "0-30000 (table: …)": the remark may say otherwise for one model, the range holds. Units and lists do
+  // not.
   if (!text.empty() && !text.starts_with(" (") && !text.starts_with("(")) return std::nullopt;
   return range;
 }

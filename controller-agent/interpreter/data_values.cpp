@@ -148,8 +148,10 @@ bool write_life_tool(LifeGroup& group, std::string_view field, std::size_t entry
     if (known == std::end(kLifeFields) || !number) return false;
     made.*(known->field) = static_cast<std::int32_t>(*number);
   }
-  if (entry == group.tools.size()) group.tools.push_back(made);
-  else group.tools[entry] = made;
+  if (entry == group.tools.size())
+    group.tools.push_back(made);
+  else
+    group.tools[entry] = made;
   return true;
 }
 
@@ -172,7 +174,8 @@ bool write_life(MachineData& data, const Parts& parts, std::optional<double> val
     if (*value != 0 && *value != 1) return false;
     if (is_new) made.life = 1;  // until its life is written
     const LifeUnit unit = *value == 0 ? LifeUnit::uses : LifeUnit::tenths;
-    if (unit != made.unit && !made.tools.empty()) return false;  // counts of one unit are no counts of the other
+    if (unit != made.unit && !made.tools.empty())
+      return false;  // counts of one unit are no counts of the other
     made.unit = unit;
   } else if (field == "life") {
     const auto life = to_unit(*value, made.unit);
@@ -189,7 +192,9 @@ bool write_life(MachineData& data, const Parts& parts, std::optional<double> val
   return true;
 }
 
-std::string_view parameter_key(std::string_view what) { return what.substr(std::string_view("parameter/").size()); }
+std::string_view parameter_key(std::string_view what) {
+  return what.substr(std::string_view("parameter/").size());
+}
 
 bool good_parameter_key(std::string_view key) {
   return !key.empty() && key.size() <= 40 &&
@@ -328,7 +333,8 @@ void each_value(const MachineData& data, const std::vector<char>& axis_names,
   };
   axes("work/EXT/", data.work_external);
   axes("work/shift/", data.work_shift);
-  for (std::size_t i = 0; i < data.work.size(); ++i) axes("work/G" + std::to_string(54 + i) + "/", data.work[i]);
+  for (std::size_t i = 0; i < data.work.size(); ++i)
+    axes("work/G" + std::to_string(54 + i) + "/", data.work[i]);
   for (std::size_t i = 0; i < data.work_extra.size(); ++i)
     axes("work/G54.1P" + std::to_string(i + 1) + "/", data.work_extra[i]);
   for (std::size_t i = 1; i < data.tools.size(); ++i) {

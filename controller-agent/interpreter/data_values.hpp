@@ -4,11 +4,11 @@
 //   tool/3/geometry/X  tool/3/wear/X  tool/3/radius  tool/3/radius_wear  tool/3/tip
 //   work/G54/X  work/G54.1P7/X  work/EXT/X  work/shift/X
 //   parameter/3402#0  parameter/1241/X  variable/500
-//   tool_life/2/unit (0 uses, 1 seconds)  /life  /current  /tool/0  /offset/0  /h/0  /d/0  /used/0  /skipped/0
+//   tool_life/2/unit (0 uses, 1 seconds)  /life  /current  /tool/0  /offset/0  /h/0  /d/0  /used/0 /skipped/0
 //
-// mm (X as the page shows it), uses or seconds; parameters and variables in their own unit. A parameter that is
-// not set, an empty variable and a tool life entry that is not registered have no value; offsets always have one.
-// No thread of its own: whoever holds the MachineData.
+// mm (X as the page shows it), uses or seconds; parameters and variables in their own unit. A parameter that
+// is not set, an empty variable and a tool life entry that is not registered have no value; offsets always
+// have one. No thread of its own: whoever holds the MachineData.
 #pragma once
 
 #include <functional>
@@ -30,8 +30,8 @@ std::uint32_t number_of_value(std::string_view what);
 std::string_view field_of_value(std::string_view what);
 
 struct ValueRead {
-  bool known = false;            ///< the machine has a value of this name
-  std::optional<double> value;   ///< nothing: not set
+  bool known = false;           ///< the machine has a value of this name
+  std::optional<double> value;  ///< nothing: not set
 };
 ValueRead read_value(const MachineData& data, const std::vector<char>& axis_names, std::string_view what);
 

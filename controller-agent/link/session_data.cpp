@@ -1,4 +1,5 @@
-// Offsets, parameters and variables on the link: the report of what the machine has, and what is written to it.
+// Offsets, parameters and variables on the link: the report of what the machine has, and what is written to
+// it.
 #include <spdlog/spdlog.h>
 
 #include <nlohmann/json.hpp>
@@ -14,15 +15,16 @@ using wire::Type;
 /// The events tell every change; the report shows now and then that nothing else has changed.
 constexpr std::chrono::seconds kReportInterval{5};
 
-/// Only when the server has taken every event that led to these values: otherwise it would see differences that
-/// the events on their way explain.
+/// Only when the server has taken every event that led to these values: otherwise it would see differences
+/// that the events on their way explain.
 void Session::report_data() {
   if (!active() || parts_->spool.pending() != 0) return;
   const auto now = std::chrono::steady_clock::now();
   if (reported_ != std::chrono::steady_clock::time_point{} && now - reported_ < kReportInterval) return;
   const json report = parts_->host.data_report();
   if (!report.is_object()) return;
-  if (report.value("sequence", std::uint64_t{0}) > acknowledged_) return;  // one came in between: after its ack
+  if (report.value("sequence", std::uint64_t{0}) > acknowledged_)
+    return;  // one came in between: after its ack
   reported_ = now;
   const std::string body = wire::encode_json(report);
   // What has not changed is not told again.

@@ -39,8 +39,7 @@ EditResult Controller::Impl::edit_values(const EditRequest& request) {
       return {false, "out_of_range", edit.what, data.version};
     // The look-ahead may hold a row of the table in its hands while a program runs.
     if (situation.running && edited.tools.size() != rows) return {false, "running", edit.what, data.version};
-    changes.push_back({{edit.what, before.value_or(std::nan("")), edit.after.value_or(std::nan("")),
-                        "panel"},
+    changes.push_back({{edit.what, before.value_or(std::nan("")), edit.after.value_or(std::nan("")), "panel"},
                        request.origin,
                        request.by,
                        request.request});

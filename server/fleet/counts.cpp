@@ -8,6 +8,7 @@
 #include "db/machine_store.hpp"
 #include "db/refusal.hpp"
 #include "server/access/audit.hpp"
+#include "server/fleet/event_body.hpp"
 
 namespace headstock::fleet {
 namespace {
@@ -16,19 +17,14 @@ using nlohmann::json;
 
 constexpr std::size_t kMostDifferences = 100;
 
-std::int64_t integer(const json& body, const char* key) {
-  const auto found = body.find(key);
-  return found != body.end() && found->is_number() ? found->get<std::int64_t>() : 0;
-}
-std::string text(const json& body, const char* key) {
-  const auto found = body.find(key);
-  return found != body.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
+using body::integer;
+using body::text;
 
 /// Inside the transaction of the intake.
 void disagree(db::Database& db, Disagreement d, std::vector<db::AlarmRow>& raised) {
   const auto id = db.integer(
-      "INSERT INTO count_disagreements (machine_id, spool, sequence, at_ms, kind, counted, witness, run) VALUES (?, ?, "
+      "INSERT INTO count_disagreements (machine_id, spool, sequence, at_ms, kind, counted, witness, run) "
+      "VALUES (?, ?, "
       "?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING RETURNING id",
       {d.machine, d.spool, d.sequence, d.at_ms, d.kind, d.counted, d.witness, d.run});
   if (!id) return;
@@ -58,21 +54,24 @@ struct Ended {
 
 }  // namespace
 
-void hold_against_each_other(db::Database& db, std::int64_t machine, const std::string& spool, std::int64_t after,
-                             std::int64_t up_to, std::vector<db::AlarmRow>& raised) {
+void hold_against_each_other(db::Database& db, std::int64_t machine, const std::string& spool,
+                             std::int64_t after, std::int64_t up_to, std::vector<db::AlarmRow>& raised) {
   if (up_to <= after) return;
   struct Counted {
     std::int64_t sequence, at_ms, total;
   };
   std::vector<Counted> parts;
   db.each(
-      "SELECT sequence, at_ms, machine_total FROM parts WHERE machine_id = ? AND spool = ? AND sequence > ? AND "
+      "SELECT sequence, at_ms, machine_total FROM parts WHERE machine_id = ? AND spool = ? AND sequence > ? "
+      "AND "
       "sequence <= ? ORDER BY sequence",
-      {machine, spool, after, up_to},
-      [&](const db::Row& row) { parts.push_back({row.integer(0), row.integer(1), row.integer(2)}); });
+      {machine, spool, after, up_to}, [&](const db::Row& row) {
+        parts.push_back({row.integer(0), row.integer(1), row.integer(2)});
+      });
   if (!parts.empty()) {
     auto before = db.integer(
-        "SELECT machine_total FROM parts WHERE machine_id = ? AND spool = ? AND sequence <= ? ORDER BY sequence DESC "
+        "SELECT machine_total FROM parts WHERE machine_id = ? AND spool = ? AND sequence <= ? ORDER BY "
+        "sequence DESC "
         "LIMIT 1",
         {machine, spool, after});
     for (const Counted& part : parts) {
@@ -92,7 +91,8 @@ void hold_against_each_other(db::Database& db, std::int64_t machine, const std::
   }
   std::vector<Ended> ended;
   db.each(
-      "SELECT sequence, at_ms, body FROM events WHERE machine_id = ? AND spool = ? AND sequence > ? AND sequence <= ? "
+      "SELECT sequence, at_ms, body FROM events WHERE machine_id = ? AND spool = ? AND sequence > ? AND "
+      "sequence <= ? "
       "AND kind = 'run_ended' ORDER BY sequence",
       {machine, spool, after, up_to}, [&](const db::Row& row) {
         ended.push_back({row.integer(0), row.integer(1), json::parse(row.text(2), nullptr, false)});
@@ -108,12 +108,14 @@ void hold_against_each_other(db::Database& db, std::int64_t machine, const std::
           began = row.integer(0);
           start = json::parse(row.text(1), nullptr, false);
         });
-    if (!start.is_object() || !start.contains("total") || integer(start, "run") != integer(end.body, "run")) continue;
-    const std::int64_t told = db.integer(
-                                    "SELECT COUNT(*) FROM parts WHERE machine_id = ? AND spool = ? AND sequence > ? "
-                                    "AND sequence < ?",
-                                    {machine, spool, began, end.sequence})
-                                  .value_or(0);
+    if (!start.is_object() || !start.contains("total") || integer(start, "run") != integer(end.body, "run"))
+      continue;
+    const std::int64_t told =
+        db.integer(
+              "SELECT COUNT(*) FROM parts WHERE machine_id = ? AND spool = ? AND sequence > ? "
+              "AND sequence < ?",
+              {machine, spool, began, end.sequence})
+            .value_or(0);
     const std::int64_t grown = integer(end.body, "total") - integer(start, "total");
     if (told == grown) continue;
     Disagreement d;
@@ -161,16 +163,17 @@ void acknowledge(db::Database& db, const access::Actor& actor, std::int64_t id, 
   db::Transaction transaction(db);
   std::int64_t machine = 0, sequence = 0;
   std::string spool;
-  db.each("SELECT machine_id, spool, sequence FROM count_disagreements WHERE id = ?", {id}, [&](const db::Row& row) {
-    machine = row.integer(0);
-    spool = row.text(1);
-    sequence = row.integer(2);
-  });
-  if (machine == 0) throw db::Refusal("not_found", "disagreement:" + std::to_string(id));
+  db.each("SELECT machine_id, spool, sequence FROM count_disagreements WHERE id = ?", {id},
+          [&](const db::Row& row) {
+            machine = row.integer(0);
+            spool = row.text(1);
+            sequence = row.integer(2);
+          });
+  if (machine == 0) throw db::Refusal("not_found", access::subject("disagreement", id));
   db.execute("UPDATE count_disagreements SET seen_by = ?, seen_ms = ? WHERE id = ? AND seen_ms IS NULL",
              {actor.user, now_ms, id});
   db::clear_alarm(db, machine, spool, -sequence, now_ms);
-  access::record(db, actor, "counts.seen", std::string("machine:").append(std::to_string(machine)),
+  access::record(db, actor, "counts.seen", access::subject("machine", machine),
                  {{"disagreement", std::to_string(id)}});
   transaction.commit();
 }
@@ -178,18 +181,20 @@ void acknowledge(db::Database& db, const access::Actor& actor, std::int64_t id, 
 namespace {
 
 /// What one row of a table says, as a text two of which can be compared.
-std::string part_text(std::int64_t at_ms, const std::string& program, const std::string& sha256, std::int64_t count,
-                      std::int64_t total) {
+std::string part_text(std::int64_t at_ms, const std::string& program, const std::string& sha256,
+                      std::int64_t count, std::int64_t total) {
   return std::to_string(at_ms) + " " + program + " " + sha256 + " " + std::to_string(count) + "/" +
          std::to_string(total);
 }
-std::string run_text(const std::string& program, std::optional<std::int64_t> started, std::optional<std::int64_t> ended,
-                     const std::string& outcome) {
-  const auto shown = [](const std::optional<std::int64_t>& time) { return time ? std::to_string(*time) : "-"; };
+std::string run_text(const std::string& program, std::optional<std::int64_t> started,
+                     std::optional<std::int64_t> ended, const std::string& outcome) {
+  const auto shown = [](const std::optional<std::int64_t>& time) {
+    return time ? std::to_string(*time) : "-";
+  };
   return program + " " + shown(started) + " " + shown(ended) + " " + outcome;
 }
 
-using PartKey = std::pair<std::string, std::int64_t>;            // spool, sequence
+using PartKey = std::pair<std::string, std::int64_t>;  // spool, sequence
 using Texts = std::map<PartKey, std::string>;
 
 struct OpenRun {
@@ -201,7 +206,8 @@ struct OpenRun {
 void compare(const char* name, const Texts& counted, const Texts& stored, Recount& result) {
   const auto differ = [&](const PartKey& key, const std::string& text_) {
     if (result.differences.size() < kMostDifferences)
-      result.differences.push_back(std::string(name) + " " + key.first + "/" + std::to_string(key.second) + ": " + text_);
+      result.differences.push_back(std::string(name) + " " + key.first + "/" + std::to_string(key.second) +
+                                   ": " + text_);
   };
   for (const auto& [key, value] : counted) {
     const auto found = stored.find(key);
@@ -221,15 +227,17 @@ Recount recount_one(db::Database& db, std::int64_t machine, std::string name) {
   Texts parts, runs;
   std::map<PartKey, OpenRun> open;
   db.each(
-      "SELECT spool, sequence, at_ms, kind, body FROM events WHERE machine_id = ? AND kind IN ('part', 'run_started', "
+      "SELECT spool, sequence, at_ms, kind, body FROM events WHERE machine_id = ? AND kind IN ('part', "
+      "'run_started', "
       "'run_ended') ORDER BY spool, sequence",
       {machine}, [&](const db::Row& row) {
         const json body = json::parse(row.text(4), nullptr, false);
         if (!body.is_object()) return;
         const std::string kind = row.text(3);
         if (kind == "part") {
-          parts[{row.text(0), row.integer(1)}] = part_text(row.integer(2), text(body, "program"), text(body, "sha256"),
-                                                           integer(body, "count"), integer(body, "total"));
+          parts[{row.text(0), row.integer(1)}] =
+              part_text(row.integer(2), text(body, "program"), text(body, "sha256"), integer(body, "count"),
+                        integer(body, "total"));
           return;
         }
         OpenRun& run = open[{row.text(0), integer(body, "run")}];
@@ -247,19 +255,21 @@ Recount recount_one(db::Database& db, std::int64_t machine, std::string name) {
   }
   Texts stored_parts, stored_runs;
   db.each(
-      "SELECT spool, sequence, at_ms, program, sha256, machine_count, machine_total FROM parts WHERE machine_id = ?",
+      "SELECT spool, sequence, at_ms, program, sha256, machine_count, machine_total FROM parts WHERE "
+      "machine_id = ?",
       {machine}, [&](const db::Row& row) {
         stored_parts[{row.text(0), row.integer(1)}] =
             part_text(row.integer(2), row.text(3), row.text(4), row.integer(5), row.integer(6));
       });
-  db.each("SELECT spool, run, program, started_ms, ended_ms, outcome FROM runs WHERE machine_id = ?", {machine},
-          [&](const db::Row& row) {
+  db.each("SELECT spool, run, program, started_ms, ended_ms, outcome FROM runs WHERE machine_id = ?",
+          {machine}, [&](const db::Row& row) {
             stored_runs[{row.text(0), row.integer(1)}] =
                 run_text(row.text(2), row.maybe_integer(3), row.maybe_integer(4), row.text(5));
           });
   result.events = db.integer("SELECT COUNT(*) FROM events WHERE machine_id = ?", {machine}).value_or(0);
   result.missing =
-      db.integer("SELECT SUM(last_sequence - first_sequence + 1) FROM event_gaps WHERE machine_id = ?", {machine})
+      db.integer("SELECT SUM(last_sequence - first_sequence + 1) FROM event_gaps WHERE machine_id = ?",
+                 {machine})
           .value_or(0);
   result.parts = static_cast<std::int64_t>(parts.size());
   result.parts_stored = static_cast<std::int64_t>(stored_parts.size());
@@ -276,8 +286,7 @@ std::vector<Recount> recount(db::Database& db, std::int64_t machine) {
   std::vector<Recount> results;
   for (const db::MachineRow& row : db::machines(db))
     if (machine == 0 || row.id == machine) results.push_back(recount_one(db, row.id, row.name));
-  if (machine != 0 && results.empty())
-    throw db::Refusal("not_found", std::string("machine:").append(std::to_string(machine)));
+  if (machine != 0 && results.empty()) throw db::Refusal("not_found", access::subject("machine", machine));
   return results;
 }
 

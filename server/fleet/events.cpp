@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/fleet/counts.hpp"
+#include "server/fleet/event_body.hpp"
 #include "server/fleet/states.hpp"
 #include "server/fleet/values.hpp"
 
@@ -15,24 +16,10 @@ using nlohmann::json;
 
 constexpr std::size_t kLongestBody = 64u << 10;
 
-// What a message lacks is empty or 0, not an error: an older agent says less.
-std::string text(const json& body, const char* key) {
-  const auto found = body.find(key);
-  return found != body.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-std::int64_t integer(const json& body, const char* key) {
-  const auto found = body.find(key);
-  if (found == body.end() || !found->is_number()) return 0;
-  return found->is_number_float() ? static_cast<std::int64_t>(found->get<double>())
-                                  : found->get<std::int64_t>();
-}
-std::optional<std::int64_t> maybe_integer(const json& body, const char* key) {
-  return body.contains(key) && body[key].is_number() ? std::optional(integer(body, key)) : std::nullopt;
-}
-std::optional<double> real(const json& body, const char* key) {
-  const auto found = body.find(key);
-  return found != body.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
-}
+using body::integer;
+using body::maybe_integer;
+using body::real;
+using body::text;
 
 /// One event on its way into the tables.
 struct Context {
@@ -186,7 +173,8 @@ Intake take_in(db::Database& db, std::int64_t machine, const std::string& spool,
     interpret({db, row, *event, intake});
   }
   intake.sequence = static_cast<std::uint64_t>(db::advance_spool(db, machine, spool));
-  hold_against_each_other(db, machine, spool, last, static_cast<std::int64_t>(intake.sequence), intake.raised);
+  hold_against_each_other(db, machine, spool, last, static_cast<std::int64_t>(intake.sequence),
+                          intake.raised);
   if (intake.offsets_changed) rebuild_offsets(db, machine, now_ms);
   transaction.commit();
   return intake;

@@ -10,10 +10,10 @@ namespace {
 
 using access::Action;
 
-constexpr const char* kColumns =
+constexpr const char* kOrder =
     "SELECT id, name, machine_id, program, required, from_ms, by_user, closed_ms, closed_by FROM orders";
 
-std::int64_t total(db::Database& db, const Order& order, const char* select, const char* time) {
+std::int64_t total_of(db::Database& db, const Order& order, const char* select, const char* time) {
   db::Where where;
   where.add(std::string(time) + " >= ?", order.from_ms);
   if (order.closed_ms) where.add(std::string(time) + " < ?", *order.closed_ms);
@@ -22,9 +22,9 @@ std::int64_t total(db::Database& db, const Order& order, const char* select, con
   return db.integer(select + where.text(), where.values()).value_or(0);
 }
 
-std::vector<Order> read(db::Database& db, const std::string& condition, const db::Values& values) {
+std::vector<Order> read_orders(db::Database& db, const std::string& condition, const db::Values& values) {
   std::vector<Order> found;
-  db.each(kColumns + condition, values, [&](const db::Row& row) {
+  db.each(kOrder + condition, values, [&](const db::Row& row) {
     Order order;
     order.id = row.integer(0);
     order.name = row.text(1);
@@ -38,8 +38,8 @@ std::vector<Order> read(db::Database& db, const std::string& condition, const db
     found.push_back(std::move(order));
   });
   for (Order& order : found) {
-    order.made = total(db, order, "SELECT COUNT(*) FROM parts", "at_ms");
-    order.rejected = total(db, order, "SELECT SUM(quantity) FROM rejects", "at_ms");
+    order.made = total_of(db, order, "SELECT COUNT(*) FROM parts", "at_ms");
+    order.rejected = total_of(db, order, "SELECT SUM(quantity) FROM rejects", "at_ms");
   }
   return found;
 }
@@ -47,7 +47,8 @@ std::vector<Order> read(db::Database& db, const std::string& condition, const db
 }  // namespace
 
 std::vector<Order> orders(db::Database& db, bool open_only) {
-  return read(db, open_only ? " WHERE closed_ms IS NULL ORDER BY id DESC" : " ORDER BY id DESC LIMIT 500", {});
+  return read_orders(
+      db, open_only ? " WHERE closed_ms IS NULL ORDER BY id DESC" : " ORDER BY id DESC LIMIT 500", {});
 }
 
 Order make_order(db::Database& db, const access::Actor& actor, Order order, std::int64_t now_ms) {
@@ -58,11 +59,12 @@ Order make_order(db::Database& db, const access::Actor& actor, Order order, std:
   if (order.machine != 0) require_machine(db, order.machine);
   if (order.from_ms == 0) order.from_ms = now_ms;
   order.id = *db.integer(
-      "INSERT INTO orders (name, machine_id, program, required, from_ms, by_user) VALUES (?, ?, ?, ?, ?, ?) RETURNING id",
+      "INSERT INTO orders (name, machine_id, program, required, from_ms, by_user) VALUES (?, ?, ?, ?, ?, ?) "
+      "RETURNING id",
       {order.name, order.machine != 0 ? db::Value(order.machine) : db::Value(), order.program.substr(0, 200),
        order.required, order.from_ms, actor.user});
-  access::record(db, actor, "order.make", "order:" + std::to_string(order.id), {{"name", order.name}});
-  order = read(db, " WHERE id = ?", {order.id}).at(0);
+  access::record(db, actor, "order.make", access::subject("order", order.id), {{"name", order.name}});
+  order = read_orders(db, " WHERE id = ?", {order.id}).at(0);
   transaction.commit();
   return order;
 }
@@ -70,12 +72,12 @@ Order make_order(db::Database& db, const access::Actor& actor, Order order, std:
 Order close_order(db::Database& db, const access::Actor& actor, std::int64_t id, std::int64_t now_ms) {
   demand(actor, Action::note_downtime);
   db::Transaction transaction(db);
-  const auto found = read(db, " WHERE id = ?", {id});
-  if (found.empty()) throw db::Refusal("not_found", "order:" + std::to_string(id));
+  const auto found = read_orders(db, " WHERE id = ?", {id});
+  if (found.empty()) throw db::Refusal("not_found", access::subject("order", id));
   if (found[0].closed_ms) throw db::Refusal("already_decided", found[0].name);
   db.execute("UPDATE orders SET closed_ms = ?, closed_by = ? WHERE id = ?", {now_ms, actor.user, id});
-  access::record(db, actor, "order.close", "order:" + std::to_string(id));
-  const Order order = read(db, " WHERE id = ?", {id}).at(0);
+  access::record(db, actor, "order.close", access::subject("order", id));
+  const Order order = read_orders(db, " WHERE id = ?", {id}).at(0);
   transaction.commit();
   return order;
 }

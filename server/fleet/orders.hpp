@@ -1,5 +1,5 @@
-// Orders: so many parts of a program, on one machine or wherever it is made. What is done is counted from the parts
-// themselves, less what was rejected. Store thread.
+// Orders: so many parts of a program, on one machine or wherever it is made. What is done is counted from the
+// parts themselves, less what was rejected. Store thread.
 #pragma once
 
 #include <cstdint>

@@ -31,7 +31,8 @@ struct Pace {
 Pace pace_of(db::Database& db, std::int64_t machine) {
   Pace pace;
   double cycles = 0;
-  db.each("SELECT at_ms, cycle_s FROM parts WHERE machine_id = ? ORDER BY at_ms DESC LIMIT " + std::to_string(kLately),
+  db.each("SELECT at_ms, cycle_s FROM parts WHERE machine_id = ? ORDER BY at_ms DESC LIMIT " +
+              std::to_string(kLately),
           {machine}, [&](const db::Row& row) {
             pace.since_ms = row.integer(0) - static_cast<std::int64_t>(row.real(1) * 1000);
             cycles += row.real(1);
@@ -45,7 +46,8 @@ Pace pace_of(db::Database& db, std::int64_t machine) {
 std::map<std::int64_t, double> used_since(db::Database& db, std::int64_t machine, std::int64_t since_ms) {
   std::map<std::int64_t, double> used;
   db.each(
-      "SELECT what, before_value, after_value FROM value_changes WHERE machine_id = ? AND at_ms >= ? AND what >= "
+      "SELECT what, before_value, after_value FROM value_changes WHERE machine_id = ? AND at_ms >= ? AND "
+      "what >= "
       "'tool_life/' AND what < 'tool_life0' AND by_user = ''",
       {machine, since_ms}, [&](const db::Row& row) {
         const std::string what = row.text(0);
@@ -92,7 +94,8 @@ std::vector<LifeGroupView> tool_life(db::Database& db, std::int64_t machine, std
     const MachinePages pages = machine_pages(db, row.id);
     if (pages.data.tool_life.groups.empty()) continue;
     const Pace pace = pace_of(db, row.id);
-    const auto used = pace.parts > 0 ? used_since(db, row.id, pace.since_ms) : std::map<std::int64_t, double>();
+    const auto used =
+        pace.parts > 0 ? used_since(db, row.id, pace.since_ms) : std::map<std::int64_t, double>();
     const auto values = db::machine_values(db, row.id);
     const auto notice = values.find("tool_life/notice_group");
     for (const auto& [number, group] : pages.data.tool_life.groups) {
@@ -126,8 +129,10 @@ void set_short_life_policy(db::Database& db, const access::Actor& actor, const s
   demand(actor, access::Action::edit_offsets);
   if (policy != "refuse" && policy != "warn" && policy != "off") throw db::Refusal("bad_value", "short_life");
   db::Transaction transaction(db);
-  db.execute("INSERT INTO settings (key, value) VALUES (?, ?) ON CONFLICT (key) DO UPDATE SET value = excluded.value",
-             {kPolicy, policy});
+  db.execute(
+      "INSERT INTO settings (key, value) VALUES (?, ?) ON CONFLICT (key) DO UPDATE SET value = "
+      "excluded.value",
+      {kPolicy, policy});
   access::record(db, actor, "tool_life.policy", "shop", {{"short_life", policy}});
   transaction.commit();
 }
@@ -135,7 +140,8 @@ void set_short_life_policy(db::Database& db, const access::Actor& actor, const s
 std::vector<LifeNeed> short_lives(db::Database& db, std::int64_t machine, const std::string& resident) {
   std::vector<LifeNeed> found;
   const auto checked = db.text(
-      "SELECT c.result_json FROM checks c JOIN residents r ON r.sha256 = c.sha256 WHERE r.machine_id = ? AND r.name = ? "
+      "SELECT c.result_json FROM checks c JOIN residents r ON r.sha256 = c.sha256 WHERE r.machine_id = ? AND "
+      "r.name = ? "
       "AND c.machine_id = ? ORDER BY c.id DESC LIMIT 1",
       {machine, resident, machine});
   if (!checked) return found;

@@ -27,22 +27,9 @@ constexpr std::array<std::string_view, 7> kLimitKinds = {"wear",     "geometry",
 /// Reasons after which the machine may or may not have it.
 constexpr std::array<std::string_view, 2> kUnsure = {"timeout", "link_lost"};
 
-std::string subject(std::int64_t machine) {
-  return std::string("machine:").append(std::to_string(machine));
-}
-
-/// As the machine compares (operation/data_edit.cpp).
-bool same(const std::optional<double>& a, const std::optional<double>& b) {
-  if (!a || !b) return a.has_value() == b.has_value();
-  return std::fabs(*a - *b) <= 5e-7;
-}
-
-/// What only the machine knows (is it running, is its parameter switch on) it says itself.
-constexpr dialects::Situation kAnyTime{false, true, true};
-
-db::ValueRequestRow require(db::Database& db, std::int64_t id) {
+db::ValueRequestRow require_request(db::Database& db, std::int64_t id) {
   auto row = db::value_request(db, id);
-  if (!row) throw db::Refusal("not_found", "request:" + std::to_string(id));
+  if (!row) throw db::Refusal("not_found", access::subject("request", id));
   return *row;
 }
 
@@ -62,7 +49,7 @@ db::ValueRequestRow ask_values(db::Database& db, const Actor& actor, const NewVa
   for (const db::ValueItem& item : asked.items) {
     const interp::ValueRead read = interp::read_value(now, pages.axes, item.what);
     if (!read.known) throw db::Refusal("value_refused", item.what.substr(0, 80) + ": bad_place");
-    if (!same(read.value, item.before)) throw db::Refusal("changed_meanwhile", item.what);
+    if (!same_as_shown(read.value, item.before)) throw db::Refusal("changed_meanwhile", item.what);
     const std::string why =
         dialects::refuse_value(*pages.dialect, pages.data, pages.axes, item.what, item.after, kAnyTime);
     if (!why.empty()) throw db::Refusal("value_refused", item.what + ": " + why);
@@ -72,7 +59,7 @@ db::ValueRequestRow ask_values(db::Database& db, const Actor& actor, const NewVa
     if (limit != limits.end() && row.needs_second.empty() &&
         std::fabs(item.after.value_or(0) - item.before.value_or(0)) > limit->second + 1e-9)
       row.needs_second = item.what;
-    if (!same(item.before, item.after)) row.items.push_back(item);
+    if (!same_as_shown(item.before, item.after)) row.items.push_back(item);
   }
   if (row.items.empty()) throw db::Refusal("no_values");
   row.machine = asked.machine;
@@ -82,7 +69,7 @@ db::ValueRequestRow ask_values(db::Database& db, const Actor& actor, const NewVa
   row.why = asked.why.substr(0, 500);
   row.state = row.needs_second.empty() ? "sending" : "waiting";
   row.id = db::insert_value_request(db, row);
-  access::record(db, actor, "values.ask", subject(row.machine),
+  access::record(db, actor, "values.ask", access::subject("machine", row.machine),
                  {{"request", std::to_string(row.id)},
                   {"origin", row.origin},
                   {"values", std::to_string(row.items.size())},
@@ -95,14 +82,15 @@ db::ValueRequestRow ask_values(db::Database& db, const Actor& actor, const NewVa
 db::ValueRequestRow agree(db::Database& db, const Actor& actor, std::int64_t id, std::int64_t now_ms) {
   demand(actor, Action::edit_offsets);
   db::Transaction transaction(db);
-  db::ValueRequestRow row = require(db, id);
-  if (row.state != "waiting") throw db::Refusal("already_decided", "request:" + std::to_string(id));
+  db::ValueRequestRow row = require_request(db, id);
+  if (row.state != "waiting") throw db::Refusal("already_decided", access::subject("request", id));
   if (row.by == actor.user) throw db::Refusal("same_person", row.by);
   row.state = "sending";
   row.second = actor.user;
   row.second_ms = now_ms;
   db::update_value_request(db, row);
-  access::record(db, actor, "values.agree", subject(row.machine), {{"request", std::to_string(id)}});
+  access::record(db, actor, "values.agree", access::subject("machine", row.machine),
+                 {{"request", std::to_string(id)}});
   transaction.commit();
   return row;
 }
@@ -110,20 +98,22 @@ db::ValueRequestRow agree(db::Database& db, const Actor& actor, std::int64_t id,
 db::ValueRequestRow withdraw(db::Database& db, const Actor& actor, std::int64_t id, std::int64_t now_ms) {
   demand(actor, Action::edit_offsets);
   db::Transaction transaction(db);
-  db::ValueRequestRow row = require(db, id);
-  if (row.state != "waiting") throw db::Refusal("already_decided", "request:" + std::to_string(id));
+  db::ValueRequestRow row = require_request(db, id);
+  if (row.state != "waiting") throw db::Refusal("already_decided", access::subject("request", id));
   row.state = "withdrawn";
   row.second = actor.user;
   row.ended_ms = now_ms;
   db::update_value_request(db, row);
-  access::record(db, actor, "values.withdraw", subject(row.machine), {{"request", std::to_string(id)}});
+  access::record(db, actor, "values.withdraw", access::subject("machine", row.machine),
+                 {{"request", std::to_string(id)}});
   transaction.commit();
   return row;
 }
 
-db::ValueRequestRow finish_request(db::Database& db, std::int64_t id, const json& answer, std::int64_t now_ms) {
+db::ValueRequestRow finish_request(db::Database& db, std::int64_t id, const json& answer,
+                                   std::int64_t now_ms) {
   db::Transaction transaction(db);
-  db::ValueRequestRow row = require(db, id);
+  db::ValueRequestRow row = require_request(db, id);
   if (row.state != "sending" && row.state != "unknown") return row;  // its events told it first
   row.reason = answer.value("reason", "");
   row.where = answer.value("where", "").substr(0, 80);
@@ -134,7 +124,7 @@ db::ValueRequestRow finish_request(db::Database& db, std::int64_t id, const json
     if (read == values.end()) continue;
     item.was_read = true;
     item.read_back = read->is_number() ? std::optional(read->get<double>()) : std::nullopt;
-    agrees &= same(item.read_back, item.after);
+    agrees &= same_as_shown(item.read_back, item.after);
   }
   const bool all_read = std::ranges::all_of(row.items, &db::ValueItem::was_read);
   if (answer.value("accepted", false)) {
@@ -165,7 +155,7 @@ std::vector<std::int64_t> settle_unknown(db::Database& db, std::int64_t machine,
       for (db::ValueItem& item : row.items) {
         const auto found = now.find(item.what);
         item.was_read = true;
-        item.read_back = found != now.end() ? std::optional(found->second)
+        item.read_back = found != now.end()  ? std::optional(found->second)
                          : item.after == 0.0 ? std::optional(0.0)
                                              : std::nullopt;
       }
@@ -177,7 +167,8 @@ std::vector<std::int64_t> settle_unknown(db::Database& db, std::int64_t machine,
 }
 
 void unsettle_after_restart(db::Database& db) {
-  db.execute("UPDATE value_requests SET state = 'unknown', reason = 'server_restarted' WHERE state = 'sending'");
+  db.execute(
+      "UPDATE value_requests SET state = 'unknown', reason = 'server_restarted' WHERE state = 'sending'");
 }
 
 void set_value_limit(db::Database& db, const Actor& actor, std::int64_t machine, const std::string& kind,
@@ -187,13 +178,13 @@ void set_value_limit(db::Database& db, const Actor& actor, std::int64_t machine,
   if (step && !(*step >= 0 && *step <= 1e6)) throw db::Refusal("bad_value", "step");
   db::Transaction transaction(db);
   db::put_value_limit(db, machine, kind, step);
-  access::record(db, actor, "values.limit", subject(machine),
+  access::record(db, actor, "values.limit", access::subject("machine", machine),
                  {{"kind", kind}, {"step", step ? std::to_string(*step) : std::string("none")}});
   transaction.commit();
 }
 
-db::SnapshotRow take_snapshot(db::Database& db, const Actor& actor, std::int64_t machine, const std::string& name,
-                              std::int64_t now_ms) {
+db::SnapshotRow take_snapshot(db::Database& db, const Actor& actor, std::int64_t machine,
+                              const std::string& name, std::int64_t now_ms) {
   demand(actor, Action::edit_offsets);
   if (name.empty() || name.size() > 200) throw db::Refusal("bad_name", name.substr(0, 60));
   db::Transaction transaction(db);
@@ -208,7 +199,8 @@ db::SnapshotRow take_snapshot(db::Database& db, const Actor& actor, std::int64_t
   const db::MachineValues values = db::machine_values(db, machine);
   row.values = static_cast<std::int64_t>(values.size());
   row.id = db::insert_snapshot(db, row, values);
-  access::record(db, actor, "values.snapshot", subject(machine), {{"snapshot", std::to_string(row.id)}, {"name", name}});
+  access::record(db, actor, "values.snapshot", access::subject("machine", machine),
+                 {{"snapshot", std::to_string(row.id)}, {"name", name}});
   transaction.commit();
   return row;
 }
@@ -219,7 +211,8 @@ Difference difference(db::Database& db, std::int64_t machine, const db::MachineV
   Difference result;
   const auto consider = [&](const std::string& what, std::optional<double> after) {
     if (!in_kind(kind, what)) return;
-    if (what == "tool_life/change_due" || what == "tool_life/notice_group" || what.ends_with("/registered")) return;
+    if (what == "tool_life/change_due" || what == "tool_life/notice_group" || what.ends_with("/registered"))
+      return;
     const interp::ValueRead read = interp::read_value(pages.data, pages.axes, what);
     const auto place = dialects::refuse_value(*pages.dialect, pages.data, pages.axes, what,
                                               after ? after : read.value, kAnyTime);
@@ -228,7 +221,8 @@ Difference difference(db::Database& db, std::int64_t machine, const db::MachineV
       return;
     }
     if (!after && (what.starts_with("tool/") || what.starts_with("work/"))) after = 0;
-    if (!same(read.value, after)) result.items.push_back({what, read.value, after, std::nullopt, false});
+    if (!same_as_shown(read.value, after))
+      result.items.push_back({what, read.value, after, std::nullopt, false});
   };
   for (const auto& [what, value] : wanted) consider(what, value);
   for (const auto& [what, value] : db::machine_values(db, machine))

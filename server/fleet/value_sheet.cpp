@@ -13,11 +13,11 @@ namespace headstock::fleet {
 namespace {
 
 constexpr std::size_t kMostBytes = 4u << 20;
-constexpr dialects::Situation kAnyTime{false, true, true};
 
 std::string trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '"')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '"' || text.back() == '\r')) text.remove_suffix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '"' || text.back() == '\r'))
+    text.remove_suffix(1);
   return std::string(text);
 }
 
@@ -32,17 +32,30 @@ std::vector<std::string> cells_of(std::string_view line, char separator) {
 }
 
 std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 
-/// What the heads of columns may be called: the field of a tool, with "length" for the axis of a mill's length.
+/// What the heads of columns may be called: the field of a tool, with "length" for the axis of a mill's
+/// length.
 const std::map<std::string, std::string, std::less<>>& heads() {
-  static const std::map<std::string, std::string, std::less<>> table = {
-      {"r", "radius"},          {"radius", "radius"},           {"半径", "radius"},          {"刀尖半径", "radius"},
-      {"r wear", "radius_wear"}, {"radius wear", "radius_wear"}, {"半径磨损", "radius_wear"}, {"r磨损", "radius_wear"},
-      {"tip", "tip"},           {"t", "tip"},                   {"刀尖", "tip"},             {"刀尖号", "tip"},
-      {"length", "geometry/Z"}, {"长度", "geometry/Z"},          {"length wear", "wear/Z"},   {"长度磨损", "wear/Z"}};
+  static const std::map<std::string, std::string, std::less<>> table = {{"r", "radius"},
+                                                                        {"radius", "radius"},
+                                                                        {"半径", "radius"},
+                                                                        {"刀尖半径", "radius"},
+                                                                        {"r wear", "radius_wear"},
+                                                                        {"radius wear", "radius_wear"},
+                                                                        {"半径磨损", "radius_wear"},
+                                                                        {"r磨损", "radius_wear"},
+                                                                        {"tip", "tip"},
+                                                                        {"t", "tip"},
+                                                                        {"刀尖", "tip"},
+                                                                        {"刀尖号", "tip"},
+                                                                        {"length", "geometry/Z"},
+                                                                        {"长度", "geometry/Z"},
+                                                                        {"length wear", "wear/Z"},
+                                                                        {"长度磨损", "wear/Z"}};
   return table;
 }
 
@@ -60,7 +73,7 @@ std::string tool_field(const std::string& head, const std::vector<char>& axes) {
 }
 
 /// @return false: no number.
-bool number(std::string text, bool decimal_comma, std::optional<double>& value) {
+bool read_number(std::string text, bool decimal_comma, std::optional<double>& value) {
   if (decimal_comma) std::ranges::replace(text, ',', '.');
   if (text.starts_with("\xE2\x88\x92")) text.replace(0, 3, "-");  // the minus sign of word processors
   if (text.starts_with('+')) text.erase(0, 1);
@@ -76,10 +89,12 @@ void hold_against_machine(const std::string& line, const MachinePages& pages) {
     const std::size_t at = line.find(name);
     if (at == line.npos) return {};
     const std::size_t end = line.find(';', at);
-    return trimmed(std::string_view(line).substr(at + name.size(), end == line.npos ? end : end - at - name.size()));
+    return trimmed(
+        std::string_view(line).substr(at + name.size(), end == line.npos ? end : end - at - name.size()));
   };
   const std::string profile = said("profile "), unit = said("unit ");
-  if (!profile.empty() && profile != pages.machine.profile) throw db::Refusal("other_profile", profile.substr(0, 60));
+  if (!profile.empty() && profile != pages.machine.profile)
+    throw db::Refusal("other_profile", profile.substr(0, 60));
   if (!unit.empty() && unit != "mm") throw db::Refusal("other_unit", unit.substr(0, 20));
 }
 
@@ -90,7 +105,8 @@ struct Table {
 };
 
 Table table_of(const std::vector<std::string>& cells, const MachinePages& pages, std::int64_t line) {
-  static constexpr std::array<std::string_view, 7> kNumber = {"number", "no", "no.", "offset", "序号", "刀补号", "番号"};
+  static constexpr std::array<std::string_view, 7> kNumber = {"number", "no",     "no.", "offset",
+                                                              "序号",   "刀补号", "番号"};
   static constexpr std::array<std::string_view, 4> kSystem = {"system", "work", "坐标系", "工件坐标系"};
   static constexpr std::array<std::string_view, 3> kWhat = {"what", "name", "名称"};
   const std::string first = lower(cells[0]);
@@ -105,7 +121,8 @@ Table table_of(const std::vector<std::string>& cells, const MachinePages& pages,
   } else if (std::ranges::find(kSystem, first) != kSystem.end()) {
     table.first = Table::First::system;
     for (std::size_t i = 1; i < cells.size(); ++i) {
-      const bool axis = cells[i].size() == 1 && std::ranges::find(pages.axes, cells[i][0]) != pages.axes.end();
+      const bool axis =
+          cells[i].size() == 1 && std::ranges::find(pages.axes, cells[i][0]) != pages.axes.end();
       if (!axis) throw db::Refusal("bad_sheet", std::to_string(line) + ": " + cells[i].substr(0, 40));
       table.fields.push_back(cells[i]);
     }
@@ -129,7 +146,7 @@ std::string name_of(const Table& table, const std::string& first, const std::str
 }
 
 /// Shortest text that is read back as the same number.
-std::string shown(double value) {
+std::string shortest(double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value == 0 ? 0.0 : value).ptr;
   return {text, end};
@@ -199,7 +216,7 @@ Sheet read_sheet(const MachinePages& pages, const std::string& text) {
       row.item.before = now.value;
       if (!now.known) {
         row.problem = "bad_place";
-      } else if (!number(cell, separator != ',', row.item.after)) {
+      } else if (!read_number(cell, separator != ',', row.item.after)) {
         row.problem = "not_a_number";
       } else {
         row.problem =
@@ -208,7 +225,7 @@ Sheet read_sheet(const MachinePages& pages, const std::string& text) {
             !interp::write_value(data, pages.axes, row.item.what, row.item.after, pages.page.numbers))
           row.problem = "out_of_range";
       }
-      const bool differs = !now.value || std::fabs(*now.value - row.item.after.value_or(0)) > 5e-7;
+      const bool differs = !same_as_shown(now.value, row.item.after);
       if (!row.problem.empty() || differs) sheet.rows.push_back(std::move(row));
     }
   }
@@ -219,9 +236,10 @@ Sheet read_sheet(const MachinePages& pages, const std::string& text) {
 std::string write_sheet(const MachinePages& pages, const db::MachineValues& values, const std::string& kind) {
   const auto value = [&](const std::string& what) {
     const auto found = values.find(what);
-    return shown(found != values.end() ? found->second : 0);
+    return shortest(found != values.end() ? found->second : 0);
   };
-  std::string out = "# Headstock; profile " + pages.machine.profile + "; unit mm; machine " + pages.machine.name + "\n";
+  std::string out =
+      "# Headstock; profile " + pages.machine.profile + "; unit mm; machine " + pages.machine.name + "\n";
   if (kind == "offsets") {
     const auto columns = tool_columns(pages);
     out += "number";
@@ -229,7 +247,8 @@ std::string write_sheet(const MachinePages& pages, const db::MachineValues& valu
     out += "\n";
     for (std::size_t number_ = 1; number_ <= pages.page.numbers; ++number_) {
       out += std::to_string(number_);
-      for (const auto& [head, field] : columns) out += "," + value("tool/" + std::to_string(number_) + "/" + field);
+      for (const auto& [head, field] : columns)
+        out += "," + value("tool/" + std::to_string(number_) + "/" + field);
       out += "\n";
     }
     return out;
@@ -251,7 +270,7 @@ std::string write_sheet(const MachinePages& pages, const db::MachineValues& valu
   }
   out += "what,value\n";
   for (const auto& [what, number_] : values)
-    if (in_kind(kind, what)) out += what + "," + shown(number_) + "\n";
+    if (in_kind(kind, what)) out += what + "," + shortest(number_) + "\n";
   return out;
 }
 

@@ -10,20 +10,16 @@
 #include "dialects/dialect.hpp"
 #include "interpreter/data_values.hpp"
 #include "machine/machine.hpp"
+#include "server/access/audit.hpp"
+#include "server/fleet/event_body.hpp"
 
 namespace headstock::fleet {
 namespace {
 
 using nlohmann::json;
 
-std::optional<double> number(const json& body, const char* key) {
-  const auto found = body.find(key);
-  return found != body.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
-}
-std::string text(const json& body, const char* key) {
-  const auto found = body.find(key);
-  return found != body.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
+using body::real;
+using body::text;
 
 std::vector<std::string> split(const std::string& path) {
   std::vector<std::string> parts;
@@ -46,11 +42,13 @@ std::vector<std::string> place_in_document(const std::string& what) {
   return parts;
 }
 
-/// Groups of tool life with fresh tools: what a program needs of them does not depend on what is used of them now.
+/// Groups of tool life with fresh tools: what a program needs of them does not depend on what is used of them
+/// now.
 json fresh_tool_life(const db::MachineValues& values) {
   interp::MachineData data;
   for (const auto& [what, value] : values)
-    if (what.starts_with("tool_life/") && what.ends_with("/unit")) interp::write_value(data, {}, what, value, 0);
+    if (what.starts_with("tool_life/") && what.ends_with("/unit"))
+      interp::write_value(data, {}, what, value, 0);
   for (int round = 0; round < 2; ++round)  // lives, then tools in their order
     for (const auto& [what, value] : values) {
       const bool life = what.ends_with("/life");
@@ -64,9 +62,10 @@ json fresh_tool_life(const db::MachineValues& values) {
     for (const tools::LifeTool& tool : group.tools)
       tools.push_back({{"tool", tool.tool}, {"offset", tool.offset}, {"h", tool.h}, {"d", tool.d}});
     const bool uses = group.unit == tools::LifeUnit::uses;
-    document[std::to_string(number_)] = {{"unit", uses ? "uses" : "seconds"},
-                                         {"life", uses ? json(group.life) : json(static_cast<double>(group.life) / 10)},
-                                         {"tools", std::move(tools)}};
+    document[std::to_string(number_)] = {
+        {"unit", uses ? "uses" : "seconds"},
+        {"life", uses ? json(group.life) : json(static_cast<double>(group.life) / 10)},
+        {"tools", std::move(tools)}};
   }
   return document;
 }
@@ -75,7 +74,7 @@ bool matters_to_checks(const std::string& what) {
   return what.starts_with("parameter/") || what.starts_with("variable/");
 }
 
-bool same(std::optional<double> a, std::optional<double> b) {
+bool exactly_same(std::optional<double> a, std::optional<double> b) {
   if (!a || !b) return a.value_or(0) == b.value_or(0) && a.has_value() == b.has_value();
   return std::fabs(*a - *b) <= 1e-9 * std::max(1.0, std::fabs(*a));
 }
@@ -87,25 +86,26 @@ bool zero_when_absent(const std::string& what) {
 
 /// Counted on between two events, and signals made of them: no history of their own.
 bool counts_by_itself(const std::string& what) {
-  return what.starts_with("tool_life/") && (what.find("/used/") != what.npos || what == "tool_life/change_due" ||
-                                            what == "tool_life/notice_group");
+  return what.starts_with("tool_life/") &&
+         (what.find("/used/") != what.npos || what == "tool_life/change_due" ||
+          what == "tool_life/notice_group");
 }
 
 }  // namespace
 
-void record_change(db::Database& db, const db::EventRow& event, const json& body) {
+void record_change(db::Database& db, const db::EventRow& event, const json& told) {
   db::ValueChangeRow change;
   change.machine = event.machine;
   change.spool = event.spool;
   change.sequence = event.sequence;
   change.at_ms = event.at_ms;
   change.received_ms = event.received_ms;
-  change.what = text(body, "what");
-  change.before = number(body, "before");
-  change.after = number(body, "after");
-  change.origin = text(body, "origin");
-  change.by = text(body, "by");
-  change.request = static_cast<std::int64_t>(number(body, "request").value_or(0));
+  change.what = text(told, "what");
+  change.before = real(told, "before");
+  change.after = real(told, "after");
+  change.origin = text(told, "origin");
+  change.by = text(told, "by");
+  change.request = body::integer(told, "request");
   if (change.what.empty()) return;
   // G10 L3 and the life page take whole groups in and out.
   if (change.what.ends_with("/registered") && change.after.value_or(0) == 0)
@@ -117,12 +117,15 @@ void record_change(db::Database& db, const db::EventRow& event, const json& body
   if (change.request <= 0) return;
   // The answer to this request was lost; the machine's own record says that it was carried out.
   db.execute(
-      "UPDATE value_request_items SET read_back = ?, was_read = 1 WHERE request_id = ? AND what = ? AND EXISTS (SELECT "
+      "UPDATE value_request_items SET read_back = ?, was_read = 1 WHERE request_id = ? AND what = ? AND "
+      "EXISTS (SELECT "
       "1 FROM value_requests r WHERE r.id = request_id AND r.machine_id = ? AND r.state = 'unknown')",
       {change.after, change.request, change.what, change.machine});
   db.execute(
-      "UPDATE value_requests SET state = 'done', reason = '', ended_ms = ? WHERE id = ? AND machine_id = ? AND state = "
-      "'unknown' AND NOT EXISTS (SELECT 1 FROM value_request_items i WHERE i.request_id = value_requests.id AND "
+      "UPDATE value_requests SET state = 'done', reason = '', ended_ms = ? WHERE id = ? AND machine_id = ? "
+      "AND state = "
+      "'unknown' AND NOT EXISTS (SELECT 1 FROM value_request_items i WHERE i.request_id = value_requests.id "
+      "AND "
       "i.was_read = 0)",
       {event.received_ms, change.request, change.machine});
 }
@@ -150,24 +153,27 @@ void rebuild_offsets(db::Database& db, std::int64_t machine, std::int64_t now_ms
   const auto before = db.text("SELECT value FROM settings WHERE key = ?", {setting});
   const bool other = !row || row->offsets_json != made || before != key;
   db.execute(
-      "INSERT INTO settings (key, value) VALUES (?, ?) ON CONFLICT (key) DO UPDATE SET value = excluded.value",
+      "INSERT INTO settings (key, value) VALUES (?, ?) ON CONFLICT (key) DO UPDATE SET value = "
+      "excluded.value",
       {setting, key});
   db.execute(
-      "UPDATE machines SET offsets_json = ?, offsets_version = offsets_version + ?, offsets_at_ms = ? WHERE id = ?",
+      "UPDATE machines SET offsets_json = ?, offsets_version = offsets_version + ?, offsets_at_ms = ? WHERE "
+      "id = ?",
       {made, other ? 1 : 0, now_ms, machine});
 }
 
 std::int64_t reconcile(db::Database& db, std::int64_t machine, const std::string& spool, const json& report,
                        std::int64_t now_ms) {
   const auto found = report.find("values");
-  const std::int64_t sequence = static_cast<std::int64_t>(number(report, "sequence").value_or(0));
+  const std::int64_t sequence = body::integer(report, "sequence");
   if (found == report.end() || !found->is_object()) return 0;
   db::Transaction transaction(db);
   const auto row = db::machine(db, machine);
   const bool known = row && row->offsets_at_ms.has_value();
   const db::MachineValues ours = db::machine_values(db, machine);
   std::int64_t differences = 0;
-  const auto differs = [&](const std::string& what, std::optional<double> before, std::optional<double> after) {
+  const auto differs = [&](const std::string& what, std::optional<double> before,
+                           std::optional<double> after) {
     if (!counts_by_itself(what)) {
       db::ValueChangeRow change;
       change.machine = machine;
@@ -186,9 +192,11 @@ std::int64_t reconcile(db::Database& db, std::int64_t machine, const std::string
     if (!value.is_number() || what.size() > 80) continue;
     const auto mine = ours.find(what);
     std::optional<double> before;
-    if (mine != ours.end()) before = mine->second;
-    else if (zero_when_absent(what)) before = 0;
-    if (!same(before, value.get<double>())) differs(what, before, value.get<double>());
+    if (mine != ours.end())
+      before = mine->second;
+    else if (zero_when_absent(what))
+      before = 0;
+    if (!exactly_same(before, value.get<double>())) differs(what, before, value.get<double>());
   }
   for (const auto& [what, value] : ours) {
     if (found->contains(what) || what == "tool_life/change_due" || what == "tool_life/notice_group" ||
@@ -204,10 +212,15 @@ std::int64_t reconcile(db::Database& db, std::int64_t machine, const std::string
   return known ? differences : 0;
 }
 
+bool same_as_shown(std::optional<double> a, std::optional<double> b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  return std::fabs(*a - *b) <= 5e-7;
+}
+
 MachinePages machine_pages(db::Database& db, std::int64_t id) {
   MachinePages pages;
   const auto row = db::machine(db, id);
-  if (!row) throw db::Refusal("not_found", std::string("machine:").append(std::to_string(id)));
+  if (!row) throw db::Refusal("not_found", access::subject("machine", id));
   pages.machine = *row;
   if (row->toml.empty()) {
     if (const auto standard = machine::default_machine(row->profile))
@@ -224,7 +237,10 @@ MachinePages machine_pages(db::Database& db, std::int64_t id) {
   // A tool life group is written by its unit, its life, its tools, then the rest of them.
   const auto order = [](const std::string& what) {
     if (!what.starts_with("tool_life/")) return 0;
-    return what.ends_with("/unit") ? 0 : what.ends_with("/life") ? 1 : what.find("/tool/") != what.npos ? 2 : 3;
+    return what.ends_with("/unit")            ? 0
+           : what.ends_with("/life")          ? 1
+           : what.find("/tool/") != what.npos ? 2
+                                              : 3;
   };
   for (int round = 0; round < 4; ++round)
     for (const auto& [what, value] : values)

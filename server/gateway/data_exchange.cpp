@@ -35,9 +35,9 @@ void AgentSession::on_data_result(const wire::Frame& frame) {
   if (!json_body(frame, result)) return;
   const auto id = result.find("id");
   const bool sound = id != result.end() && id->is_number_unsigned() && result.contains("accepted") &&
-                     result["accepted"].is_boolean() && result.contains("reason") && result["reason"].is_string() &&
-                     result.contains("where") && result["where"].is_string() && result.contains("values") &&
-                     result["values"].is_object();
+                     result["accepted"].is_boolean() && result.contains("reason") &&
+                     result["reason"].is_string() && result.contains("where") &&
+                     result["where"].is_string() && result.contains("values") && result["values"].is_object();
   if (!sound) return connection_->close("data_result: id, accepted, reason, where or values missing");
   const auto found = writings_.find(id->get<std::uint64_t>());
   if (found == writings_.end()) return;  // too late: the events tell it

@@ -27,7 +27,7 @@ std::string kind_of(const Call& call) {
   throw Refused("bad_request", "kind");
 }
 
-std::optional<double> number_or_null(const json& object, const char* key) {
+std::optional<double> member_or_null(const json& object, const char* key) {
   const auto found = object.find(key);
   if (found == object.end() || found->is_null()) return std::nullopt;
   if (!found->is_number()) throw Refused("bad_request", key);
@@ -213,7 +213,7 @@ std::vector<Route> writing(Services& s) {
          if (values == call.body.end() || !values->is_array()) throw Refused("bad_request", "values");
          for (const json& one : *values) {
            if (!one.is_object() || !one.contains("what") || !one["what"].is_string()) throw Refused("bad_request", "values");
-           request.items.push_back({one["what"].get<std::string>(), number_or_null(one, "before"), number_or_null(one, "after"), std::nullopt, false});
+           request.items.push_back({one["what"].get<std::string>(), member_or_null(one, "before"), member_or_null(one, "after"), std::nullopt, false});
          }
          const auto row = co_await s.values.ask(actor_of(call), std::move(request));
          co_return request_reply(row);
@@ -282,7 +282,7 @@ awaitable<Reply> change_limits(Services& s, Call& call, std::int64_t machine) {
   const auto actor = actor_of(call);
   const json limits = call.body;
   std::vector<std::pair<std::string, std::optional<double>>> wanted;
-  for (const auto& [kind, step] : limits.items()) wanted.emplace_back(kind, number_or_null(limits, kind.c_str()));
+  for (const auto& [kind, step] : limits.items()) wanted.emplace_back(kind, member_or_null(limits, kind.c_str()));
   const auto in_store = [&](db::Database& db) {
     db::Transaction transaction(db);
     if (machine != 0) fleet::require_machine(db, machine);

@@ -24,24 +24,36 @@ struct Counts : testing::Test {
   access::Actor li{7, "li", access::Role::operator_, ""};
 
   static json part(std::int64_t sequence, std::int64_t total, const char* program = "O1") {
-    return {{"seq", sequence}, {"at_ms", 1'000 * sequence}, {"kind", "part"}, {"count", total}, {"total", total},
-            {"program", program}, {"sha256", "aa"}, {"cycle_s", 10}};
+    return {{"seq", sequence}, {"at_ms", 1'000 * sequence}, {"kind", "part"}, {"count", total},
+            {"total", total},  {"program", program},        {"sha256", "aa"}, {"cycle_s", 10}};
   }
   static json started(std::int64_t sequence, std::int64_t run, std::int64_t total) {
-    return {{"seq", sequence}, {"at_ms", 1'000 * sequence}, {"kind", "run_started"}, {"run", run}, {"program", "O1"},
-            {"sha256", "aa"}, {"total", total}, {"by", "li"}};
+    return {{"seq", sequence},       {"at_ms", 1'000 * sequence},
+            {"kind", "run_started"}, {"run", run},
+            {"program", "O1"},       {"sha256", "aa"},
+            {"total", total},        {"by", "li"}};
   }
-  static json ended(std::int64_t sequence, std::int64_t run, std::int64_t total, const char* outcome = "completed") {
-    return {{"seq", sequence}, {"at_ms", 1'000 * sequence}, {"kind", "run_ended"}, {"run", run}, {"outcome", outcome},
-            {"run_s", 9}, {"cutting_s", 5}, {"total", total}, {"holds", 2}, {"alarms", 0},
+  static json ended(std::int64_t sequence, std::int64_t run, std::int64_t total,
+                    const char* outcome = "completed") {
+    return {{"seq", sequence},
+            {"at_ms", 1'000 * sequence},
+            {"kind", "run_ended"},
+            {"run", run},
+            {"outcome", outcome},
+            {"run_s", 9},
+            {"cutting_s", 5},
+            {"total", total},
+            {"holds", 2},
+            {"alarms", 0},
             {"overrides", {{"feed", {80, 100}}}}};
   }
   Intake take(json events) { return take_in(*db, machine, "spool", events, 5'000); }
 };
 
 TEST_F(Counts, WitnessesThatAgreeSayNothing) {
-  const Intake intake = take({started(1, 1, 0), part(2, 1), ended(3, 1, 1), started(4, 2, 1), ended(5, 2, 1, "reset"),
-                              started(6, 3, 1), part(7, 2), part(8, 3), ended(9, 3, 3)});
+  const Intake intake =
+      take({started(1, 1, 0), part(2, 1), ended(3, 1, 1), started(4, 2, 1), ended(5, 2, 1, "reset"),
+            started(6, 3, 1), part(7, 2), part(8, 3), ended(9, 3, 3)});
   EXPECT_TRUE(intake.raised.empty());
   EXPECT_TRUE(disagreements(*db, 0, {}).items.empty());
   const auto runs = db::runs(*db, {machine, {}, {}}, {}).items;
@@ -97,7 +109,8 @@ TEST_F(Counts, TheRecountFromRawEventsIsTheSame) {
   for (std::int64_t run = 1; run <= 200; ++run) {
     all.push_back(started(++sequence, run, total));
     if (random() % 5 != 0) all.push_back(part(++sequence, ++total));
-    if (random() % 10 != 0) all.push_back(ended(++sequence, run, total, random() % 4 == 0 ? "alarm" : "completed"));
+    if (random() % 10 != 0)
+      all.push_back(ended(++sequence, run, total, random() % 4 == 0 ? "alarm" : "completed"));
   }
   for (int round = 0; round < 400; ++round) {  // repeats and orders of every kind
     json batch = json::array();
@@ -127,10 +140,14 @@ TEST_F(Counts, TheRecountFindsWhatWasTamperedWith) {
 }
 
 TEST_F(Counts, AnOrderCountsItsPartsLessWhatWasRejected) {
-  const Order order = make_order(*db, li, {.name = "4711", .machine = machine, .program = "O1", .required = 3}, 1'500);
+  const Order order =
+      make_order(*db, li, {.name = "4711", .machine = machine, .program = "O1", .required = 3}, 1'500);
   take({part(1, 1), part(2, 2), part(3, 3), part(4, 4, "O2")});
-  db->execute("INSERT INTO rejects (machine_id, at_ms, program, quantity, why, by_user, entered_ms) VALUES (?, 2500, 'O1', 1, "
-              "'scratch', 'li', 2500)", {machine});
+  db->execute(
+      "INSERT INTO rejects (machine_id, at_ms, program, quantity, why, by_user, entered_ms) VALUES (?, 2500, "
+      "'O1', 1, "
+      "'scratch', 'li', 2500)",
+      {machine});
   auto open = orders(*db, true);
   ASSERT_EQ(open.size(), 1u);
   EXPECT_EQ(open[0].made, 2) << "the first was before the order, the last another program";

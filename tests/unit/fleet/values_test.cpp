@@ -16,20 +16,27 @@
 namespace headstock::fleet {
 namespace {
 
-using nlohmann::json;
 using access::Actor;
 using access::Role;
+using nlohmann::json;
 
 struct Values : testing::Test {
   test::TemporaryFolder folder;
   std::unique_ptr<db::Database> db = test::open_shop(folder / "s.db");
   std::int64_t machine = create_machine(*db, {}, "Lathe 1", "fanuc-0i-t", "", 1).id;
-  Actor wang{8, "wang", Role::setter, ""}, li{9, "li", Role::setter, ""}, zhao{10, "zhao", Role::operator_, ""};
+  Actor wang{8, "wang", Role::setter, ""}, li{9, "li", Role::setter, ""},
+      zhao{10, "zhao", Role::operator_, ""};
   std::int64_t sequence = 0;
 
-  void event(const char* what, json before, json after, const char* origin = "G10", json more = json::object()) {
-    more.update({{"seq", ++sequence}, {"at_ms", 1'000 * sequence}, {"kind", "offset"}, {"what", what},
-                 {"before", before},  {"after", after},            {"origin", origin}});
+  void event(const char* what, json before, json after, const char* origin = "G10",
+             json more = json::object()) {
+    more.update({{"seq", ++sequence},
+                 {"at_ms", 1'000 * sequence},
+                 {"kind", "offset"},
+                 {"what", what},
+                 {"before", before},
+                 {"after", after},
+                 {"origin", origin}});
     take_in(*db, machine, "spool", json::array({more}), 1'000 * sequence);
   }
   std::int64_t report(json values) {
@@ -75,15 +82,27 @@ TEST_F(Values, EveryChangeStaysWithWhoAndWhat) {
 
 TEST_F(Values, AClockThatJumpsBackLosesNoNewerValue) {
   take_in(*db, machine, "spool",
-          json::array({{{"seq", 1}, {"at_ms", 900'000}, {"kind", "offset"}, {"what", "tool/1/wear/X"}, {"before", 0}, {"after", 0.1}, {"origin", "G10"}},
-                       {{"seq", 2}, {"at_ms", 100'000}, {"kind", "offset"}, {"what", "tool/1/wear/X"}, {"before", 0.1}, {"after", 0.2}, {"origin", "G10"}}}),
+          json::array({{{"seq", 1},
+                        {"at_ms", 900'000},
+                        {"kind", "offset"},
+                        {"what", "tool/1/wear/X"},
+                        {"before", 0},
+                        {"after", 0.1},
+                        {"origin", "G10"}},
+                       {{"seq", 2},
+                        {"at_ms", 100'000},
+                        {"kind", "offset"},
+                        {"what", "tool/1/wear/X"},
+                        {"before", 0.1},
+                        {"after", 0.2},
+                        {"origin", "G10"}}}),
           1);
   EXPECT_EQ(now("tool/1/wear/X"), 0.2) << "by the machine's own order, not by its clock";
 }
 
 TEST_F(Values, AMomentCanBeSeenAgain) {
-  event("tool/3/wear/X", 0, 0.02);   // 1 s
-  event("tool/3/wear/X", 0.02, 0.05);  // 2 s
+  event("tool/3/wear/X", 0, 0.02);               // 1 s
+  event("tool/3/wear/X", 0.02, 0.05);            // 2 s
   event("variable/500", nullptr, 1, "program");  // 3 s
   EXPECT_EQ(db::machine_values(*db, machine, 1'500).at("tool/3/wear/X"), 0.02);
   EXPECT_FALSE(db::machine_values(*db, machine, 2'500).contains("variable/500"));
@@ -113,11 +132,19 @@ TEST_F(Values, WhatTheMachineHasIsTheTruthAndDifferencesAreHistory) {
 TEST_F(Values, NothingIsWrittenThatWasNotSeen) {
   EXPECT_EQ(refusal([&] { ask(wang, {{"tool/1/wear/X", 0, 0.1, {}, false}}); }), "machine_not_read Lathe 1");
   report({{"tool/1/wear/X", 0.05}});
-  EXPECT_EQ(refusal([&] { ask(wang, {{"tool/1/wear/X", 0, 0.1, {}, false}}); }), "changed_meanwhile tool/1/wear/X");
+  EXPECT_EQ(refusal([&] {
+              ask(wang, {{"tool/1/wear/X", 0, 0.1, {}, false}});
+            }),
+            "changed_meanwhile tool/1/wear/X");
   EXPECT_EQ(refusal([&] { ask(zhao, {{"tool/1/wear/X", 0.05, 0.1, {}, false}}); }).substr(0, 9), "forbidden");
   EXPECT_EQ(refusal([&] { ask(wang, {{"tool/1/wear/X", 0.05, 0.05, {}, false}}); }), "no_values ");
-  EXPECT_EQ(refusal([&] { ask(wang, {{"tool/201/wear/X", 0, 0.05, {}, false}}); }), "value_refused tool/201/wear/X: bad_place");
-  EXPECT_EQ(refusal([&] { ask(wang, {{"tool/1/geometry/X", 0, 20'000, {}, false}}); }),
+  EXPECT_EQ(refusal([&] {
+              ask(wang, {{"tool/201/wear/X", 0, 0.05, {}, false}});
+            }),
+            "value_refused tool/201/wear/X: bad_place");
+  EXPECT_EQ(refusal([&] {
+              ask(wang, {{"tool/1/geometry/X", 0, 20'000, {}, false}});
+            }),
             "value_refused tool/1/geometry/X: out_of_range");
   EXPECT_EQ(ask(wang, {{"tool/1/wear/X", 0.05, 0.1, {}, false}}).state, "sending");
 }
@@ -150,7 +177,8 @@ TEST_F(Values, DoneIsWhatWasReadBack) {
   EXPECT_EQ(send({{"accepted", true}, {"values", {{"tool/1/wear/X", 0.1}}}}).state, "done");
   const auto other = send({{"accepted", true}, {"values", {{"tool/1/wear/X", 0.2}}}});
   EXPECT_EQ(other.state + " " + other.reason, "failed read_back_differs");
-  EXPECT_EQ(send({{"accepted", true}, {"values", json::object()}}).state, "failed") << "not read back is not done";
+  EXPECT_EQ(send({{"accepted", true}, {"values", json::object()}}).state, "failed")
+      << "not read back is not done";
   const auto refused = send({{"accepted", false}, {"reason", "running"}, {"where", "tool/1/wear/X"}});
   EXPECT_EQ(refused.state + " " + refused.reason, "refused running");
   EXPECT_EQ(send({{"accepted", false}, {"reason", "not_connected"}}).state, "failed");
@@ -160,7 +188,8 @@ TEST_F(Values, AnAnswerThatWasLostIsSettledByTheMachinesOwnRecord) {
   report(json::object());
   const auto lost = [&](const char* what) {
     const auto row = ask(wang, {{what, 0, 0.1, {}, false}});
-    EXPECT_EQ(finish_request(*db, row.id, {{"accepted", false}, {"reason", "link_lost"}}, 1).state, "unknown");
+    EXPECT_EQ(finish_request(*db, row.id, {{"accepted", false}, {"reason", "link_lost"}}, 1).state,
+              "unknown");
     return row.id;
   };
   const std::int64_t written = lost("tool/1/wear/X"), not_written = lost("tool/2/wear/X");
@@ -175,7 +204,8 @@ TEST_F(Values, AnAnswerThatWasLostIsSettledByTheMachinesOwnRecord) {
 
 TEST_F(Values, ASetIsComparedAndCopied) {
   report({{"tool/1/geometry/X", 1}, {"tool/2/geometry/X", 2}, {"parameter/6713", 5}});
-  const Difference to = difference(*db, machine, {{"tool/1/geometry/X", 9}, {"tool/300/geometry/X", 1}, {"tool/1/wear/Y", 3}}, "offsets");
+  const Difference to = difference(
+      *db, machine, {{"tool/1/geometry/X", 9}, {"tool/300/geometry/X", 1}, {"tool/1/wear/Y", 3}}, "offsets");
   ASSERT_EQ(to.items.size(), 2u);
   EXPECT_EQ(to.items[0].after, 9);
   EXPECT_EQ(to.items[1].what, "tool/2/geometry/X");
@@ -200,16 +230,23 @@ struct Sheets : Values {
 };
 
 TEST_F(Sheets, APageGoesOutAndComesBackTheSame) {
-  report({{"tool/1/geometry/X", -112.503}, {"tool/200/wear/Z", 0.001}, {"tool/7/tip", 3}, {"tool/7/radius", 0.8},
-          {"work/G59/X", 1e-3}, {"variable/500", 1.0 / 3}, {"parameter/3402#0", 1}});
+  report({{"tool/1/geometry/X", -112.503},
+          {"tool/200/wear/Z", 0.001},
+          {"tool/7/tip", 3},
+          {"tool/7/radius", 0.8},
+          {"work/G59/X", 1e-3},
+          {"variable/500", 1.0 / 3},
+          {"parameter/3402#0", 1}});
   const MachinePages pages = machine_pages(*db, machine);
   for (const char* kind : {"offsets", "work", "variables", "parameters", ""}) {
     const std::string text = write_sheet(pages, db::machine_values(*db, machine), kind);
     const Sheet sheet = read(text);
-    EXPECT_TRUE(sheet.rows.empty()) << kind << ": " << sheet.rows.size() << " differ, first " << sheet.rows[0].item.what;
+    EXPECT_TRUE(sheet.rows.empty()) << kind << ": " << sheet.rows.size() << " differ, first "
+                                    << sheet.rows[0].item.what;
     EXPECT_GT(sheet.values, 0) << kind;
   }
-  EXPECT_EQ(read(write_sheet(pages, {}, "offsets")).rows.size(), 4u) << "all zero: four values would be changed";
+  EXPECT_EQ(read(write_sheet(pages, {}, "offsets")).rows.size(), 4u)
+      << "all zero: four values would be changed";
 }
 
 TEST_F(Sheets, APasteFromASpreadsheet) {
@@ -229,14 +266,17 @@ TEST_F(Sheets, WhatIsWrongIsToldRowByRow) {
   const Sheet sheet = read("number,X,tip\n1,abc,3\n2,99999,12\n999,1,1\n3,=A1,\n");
   std::vector<std::string> problems;
   for (const SheetRow& row : sheet.rows) problems.push_back(std::to_string(row.line) + " " + row.problem);
-  EXPECT_EQ(problems, (std::vector<std::string>{"2 not_a_number", "2 ", "3 out_of_range", "3 out_of_range", "4 bad_place",
-                                                "4 bad_place", "5 not_a_number"}));
+  EXPECT_EQ(problems, (std::vector<std::string>{"2 not_a_number", "2 ", "3 out_of_range", "3 out_of_range",
+                                                "4 bad_place", "4 bad_place", "5 not_a_number"}));
 }
 
 TEST_F(Sheets, AFileOfAnotherControllerOrUnitIsRefusedAsAWhole) {
   report(json::object());
-  EXPECT_EQ(refusal([&] { read("# Headstock; profile gsk-2000tc; unit mm; machine Lathe 2\nnumber,X\n1,1\n"); }), "other_profile gsk-2000tc");
-  EXPECT_EQ(refusal([&] { read("# Headstock; profile fanuc-0i-t; unit inch\nnumber,X\n1,1\n"); }), "other_unit inch");
+  EXPECT_EQ(
+      refusal([&] { read("# Headstock; profile gsk-2000tc; unit mm; machine Lathe 2\nnumber,X\n1,1\n"); }),
+      "other_profile gsk-2000tc");
+  EXPECT_EQ(refusal([&] { read("# Headstock; profile fanuc-0i-t; unit inch\nnumber,X\n1,1\n"); }),
+            "other_unit inch");
   EXPECT_EQ(refusal([&] { read("number,Q\n1,1\n"); }), "bad_sheet 1: Q");
   EXPECT_EQ(refusal([&] { read("PK\x03\x04zip\n"); }).substr(0, 9), "bad_sheet");
   EXPECT_EQ(refusal([&] { read(""); }).substr(0, 9), "bad_sheet");
@@ -245,17 +285,37 @@ TEST_F(Sheets, AFileOfAnotherControllerOrUnitIsRefusedAsAWhole) {
 // ---- tool life
 
 TEST_F(Values, LifeLeftAndTheNextChangeComeFromWhatWasCounted) {
-  report({{"tool_life/1/unit", 0}, {"tool_life/1/life", 100}, {"tool_life/1/current", 0}, {"tool_life/1/tool/0", 1},
-          {"tool_life/1/used/0", 90}, {"tool_life/1/tool/1", 2}, {"tool_life/1/used/1", 0}, {"tool_life/1/skipped/1", 1},
-          {"tool_life/1/tool/2", 3}, {"tool_life/1/used/2", 40}});
+  report({{"tool_life/1/unit", 0},
+          {"tool_life/1/life", 100},
+          {"tool_life/1/current", 0},
+          {"tool_life/1/tool/0", 1},
+          {"tool_life/1/used/0", 90},
+          {"tool_life/1/tool/1", 2},
+          {"tool_life/1/used/1", 0},
+          {"tool_life/1/skipped/1", 1},
+          {"tool_life/1/tool/2", 3},
+          {"tool_life/1/used/2", 40}});
   for (int part = 1; part <= 5; ++part) {
     take_in(*db, machine, "spool",
-            json::array({{{"seq", ++sequence}, {"at_ms", 60'000 * part}, {"kind", "part"}, {"count", part}, {"total", part},
-                          {"program", "O1"}, {"sha256", "aa"}, {"cycle_s", 60}}}), 1);
+            json::array({{{"seq", ++sequence},
+                          {"at_ms", 60'000 * part},
+                          {"kind", "part"},
+                          {"count", part},
+                          {"total", part},
+                          {"program", "O1"},
+                          {"sha256", "aa"},
+                          {"cycle_s", 60}}}),
+            1);
     const int used = 90 + part;
     take_in(*db, machine, "spool",
-            json::array({{{"seq", ++sequence}, {"at_ms", 60'000 * part}, {"kind", "offset"}, {"what", "tool_life/1/used/0"},
-                          {"before", used - 1}, {"after", used}, {"origin", "program"}}}), 1);
+            json::array({{{"seq", ++sequence},
+                          {"at_ms", 60'000 * part},
+                          {"kind", "offset"},
+                          {"what", "tool_life/1/used/0"},
+                          {"before", used - 1},
+                          {"after", used},
+                          {"origin", "program"}}}),
+            1);
   }
   const auto groups = tool_life(*db, 0, 0);
   ASSERT_EQ(groups.size(), 1u);
@@ -273,7 +333,10 @@ TEST_F(Values, LifeLeftAndTheNextChangeComeFromWhatWasCounted) {
 
 TEST_F(Values, CountsOfToolLifeDoNotMakeChecksOldButGroupsDo) {
   const auto version = [&] { return db::machine(*db, machine)->offsets_version; };
-  report({{"tool_life/1/unit", 0}, {"tool_life/1/life", 100}, {"tool_life/1/tool/0", 1}, {"tool_life/1/used/0", 1}});
+  report({{"tool_life/1/unit", 0},
+          {"tool_life/1/life", 100},
+          {"tool_life/1/tool/0", 1},
+          {"tool_life/1/used/0", 1}});
   const auto before = version();
   event("tool_life/1/used/0", 1, 2, "program");
   EXPECT_EQ(version(), before);

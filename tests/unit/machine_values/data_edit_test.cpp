@@ -62,7 +62,8 @@ TEST_F(Edit, WhileAProgramRunsOnlyLengthsAndTheyCountFromTheNextT) {
   ASSERT_TRUE(write({{"tool/1/wear/X", 0, 0.0001}}).accepted);
   bench.load("O1\nG21 G98\nG00 X100. Z100.\nG01 Z50. F60.\nM30\n%\n");
   ASSERT_TRUE(bench.start());
-  ASSERT_TRUE(bench.until([&] { return bench.controller.live().machine[1] != 0 && bench.state() == State::running; }));
+  ASSERT_TRUE(bench.until(
+      [&] { return bench.controller.live().machine[1] != 0 && bench.state() == State::running; }));
   EXPECT_EQ(write({{"tool/1/radius", 0, 0.4}}).reason, "running");
   EXPECT_EQ(write({{"work/G54/X", 0, 1}}).reason, "running");
   EXPECT_EQ(write({{"variable/500", std::nullopt, 1}}).reason, "running");

@@ -23,10 +23,12 @@ class Rules : public testing::TestWithParam<Case> {};
 TEST_P(Rules, AreKept) {
   const Case& c = GetParam();
   const std::string profile = c.profile;
-  const std::vector<char> axes = profile == "fanuc-0i-m" ? std::vector<char>{'X', 'Y', 'Z'} : std::vector<char>{'X', 'Z'};
+  const std::vector<char> axes =
+      profile == "fanuc-0i-m" ? std::vector<char>{'X', 'Y', 'Z'} : std::vector<char>{'X', 'Z'};
   MachineData data;
   data.parameters = c.parameters;
-  EXPECT_EQ(refuse_value(*find(profile), data, axes, c.what, c.value, c.situation), c.refusal) << profile << " " << c.what;
+  EXPECT_EQ(refuse_value(*find(profile), data, axes, c.what, c.value, c.situation), c.refusal)
+      << profile << " " << c.what;
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -50,7 +52,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"fanuc-0i-m", {{"8136#6", 1}}, "tool/1/geometry/Z", 5.0, kIdle, ""},
         Case{"fanuc-0i-m", {}, "work/G54.1P48/Y", 5.0, kIdle, ""},
         Case{"fanuc-0i-t", {}, "work/G54.1P1/X", 5.0, kIdle, "bad_place"},
-        // While a program runs: lengths are taken by the next T or H (L59777); a radius would bend the contour.
+        // While a program runs: lengths are taken by the next T or H (L59777); a radius would bend the
+        // contour.
         Case{"fanuc-0i-t", {}, "tool/1/wear/X", 0.1, kRunning, ""},
         Case{"fanuc-0i-t", {}, "tool/1/radius", 0.4, kRunning, "running"},
         Case{"fanuc-0i-t", {}, "tool/1/tip", 3.0, kRunning, "running"},
@@ -98,8 +101,9 @@ TEST(ParameterRange, IsReadWhereItIsOne) {
   EXPECT_EQ(range("-9999.9999..9999.9999"), "-9999.999900 9999.999900");
   EXPECT_EQ(range("+-9999999"), "-9999999.000000 9999999.000000");
   EXPECT_EQ(range("0-30000 (table: stepper 1-10000, servo 1-30000)"), "0.000000 30000.000000");
-  for (const char* none : {"", "?", "see meaning", "std table A (IS-B -999999.999..+999999.999)", "101,102,103,..",
-                           "0..number of controlled axes", "8 bits, not 00h", "normal, reverse"})
+  for (const char* none :
+       {"", "?", "see meaning", "std table A (IS-B -999999.999..+999999.999)", "101,102,103,..",
+        "0..number of controlled axes", "8 bits, not 00h", "normal, reverse"})
     EXPECT_EQ(range(none), "none") << none;
 }
 

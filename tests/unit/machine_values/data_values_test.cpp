@@ -20,9 +20,9 @@ std::map<std::string, double> all_of(const MachineData& data) {
 
 TEST(DataValues, WhatIsWrittenIsReadUnderTheSameName) {
   MachineData data;
-  for (const char* what : {"tool/3/geometry/X", "tool/3/wear/Z", "tool/99/radius", "tool/1/radius_wear", "work/G54/X",
-                           "work/G54.1P48/Z", "work/EXT/X", "work/shift/Z", "parameter/3402#0", "parameter/1241/X",
-                           "parameter/S001.0", "variable/500", "variable/100"}) {
+  for (const char* what : {"tool/3/geometry/X", "tool/3/wear/Z", "tool/99/radius", "tool/1/radius_wear",
+                           "work/G54/X", "work/G54.1P48/Z", "work/EXT/X", "work/shift/Z", "parameter/3402#0",
+                           "parameter/1241/X", "parameter/S001.0", "variable/500", "variable/100"}) {
     ASSERT_TRUE(write_value(data, kAxes, what, 1.25, kTools)) << what;
     const ValueRead read = read_value(data, kAxes, what);
     EXPECT_TRUE(read.known) << what;
@@ -36,11 +36,30 @@ TEST(DataValues, WhatIsWrittenIsReadUnderTheSameName) {
 
 TEST(DataValues, WhatAMachineHasNoPlaceForIsRefused) {
   MachineData data;
-  for (const char* what : {"tool/0/geometry/X", "tool/100/geometry/X", "tool/3/geometry/Y", "tool/3/geometry",
-                           "tool/3/length", "tool//geometry/X", "tool/3x/geometry/X", "tool/3/tip/X", "work/G53/X",
-                           "work/G60/X", "work/G54.1P49/X", "work/G54.1P0/X", "work/G54/Q", "work/G54/X/Z", "variable/",
-                           "variable/x", "variable/1/2", "parameter/", "parameter/a b", "tool_life/0/life", "", "tool",
-                           "tool/3/geometry/X/1/2", "something/3"}) {
+  for (const char* what : {"tool/0/geometry/X",
+                           "tool/100/geometry/X",
+                           "tool/3/geometry/Y",
+                           "tool/3/geometry",
+                           "tool/3/length",
+                           "tool//geometry/X",
+                           "tool/3x/geometry/X",
+                           "tool/3/tip/X",
+                           "work/G53/X",
+                           "work/G60/X",
+                           "work/G54.1P49/X",
+                           "work/G54.1P0/X",
+                           "work/G54/Q",
+                           "work/G54/X/Z",
+                           "variable/",
+                           "variable/x",
+                           "variable/1/2",
+                           "parameter/",
+                           "parameter/a b",
+                           "tool_life/0/life",
+                           "",
+                           "tool",
+                           "tool/3/geometry/X/1/2",
+                           "something/3"}) {
     EXPECT_FALSE(write_value(data, kAxes, what, 1, kTools)) << what;
   }
   EXPECT_TRUE(all_of(data).empty());
@@ -53,7 +72,8 @@ TEST(DataValues, ATipIsAWholeNumberFrom0To9AndNothingIsInfinite) {
   EXPECT_FALSE(write_value(data, kAxes, "tool/1/tip", -1, kTools));
   EXPECT_FALSE(write_value(data, kAxes, "tool/1/wear/X", std::nan(""), kTools));
   EXPECT_FALSE(write_value(data, kAxes, "variable/500", HUGE_VAL, kTools));
-  EXPECT_FALSE(write_value(data, kAxes, "tool/1/wear/X", std::nullopt, kTools)) << "an offset is never nothing";
+  EXPECT_FALSE(write_value(data, kAxes, "tool/1/wear/X", std::nullopt, kTools))
+      << "an offset is never nothing";
 }
 
 TEST(DataValues, VariablesAndParametersCanBeErased) {
