@@ -54,8 +54,7 @@ db::MachineRow create_machine(db::Database& db, const Actor& actor, const std::s
   row.config_hash = config_hash(profile, toml);
   row.created_ms = now_ms;
   row.id = db::insert_machine(db, row);
-  record(db, actor, "machine.create", access::subject("machine", row.id),
-         {{"name", name}, {"profile", profile}});
+  record(db, actor, "machine.create", access::subject("machine", row.id), {{"name", name}, {"profile", profile}});
   row = require_machine(db, row.id);
   transaction.commit();
   return row;
