@@ -70,8 +70,7 @@ Listed<ValueChangeRow> value_changes(Database& db, const ValueChangeFilter& filt
   Where where;
   if (filter.machine != 0) where.add("machine_id = ?", filter.machine);
   if (!filter.what.empty() && filter.what.back() == '/') {
-    where.add("what >= ?", filter.what);
-    where.add("what < ?", filter.what.substr(0, filter.what.size() - 1) + '0');  // '0' follows '/'
+    where.add("what LIKE ? ESCAPE '\\'", like_part(filter.what).substr(1));  // begins so
   } else if (!filter.what.empty()) {
     where.add("what = ?", filter.what);
   }

@@ -128,6 +128,12 @@ operation::EditResult DataDesk::write_here(const std::string& assignment, const 
   return controller_.edit_values(request);
 }
 
+std::optional<std::optional<double>> DataDesk::value_here(const std::string& what) const {
+  const interp::ValueRead read = interp::read_value(controller_.data(), axis_names_, what);
+  if (!read.known) return std::nullopt;
+  return read.value;
+}
+
 json DataDesk::report() const {
   // A commit with data has events with it: when the sequence is the same before and after, they belong
   // together.

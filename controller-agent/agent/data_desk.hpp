@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@ class DataDesk {
   void write(const nlohmann::json& request, Done done);
   /// At the panel: "tool/3/wear/X=0.02", "tool/3/wear/X+=0.02", "variable/500=" (erases).
   operation::EditResult write_here(const std::string& assignment, const std::string& origin);
+  /// As the controller has it now; nothing inside: not set; nothing at all: the machine has no such value.
+  std::optional<std::optional<double>> value_here(const std::string& what) const;
   /// The switch at the machine that lets parameters be written; off after every start.
   void parameter_write(bool on) { parameter_write_ = on; }
   bool parameter_write() const { return parameter_write_; }

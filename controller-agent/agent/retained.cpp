@@ -1,5 +1,6 @@
 #include "agent/retained.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -26,6 +27,16 @@ json parsed(const link::Spool& spool, const char* key) {
   if (!value.is_object())
     throw std::runtime_error(std::string("the stored value '") + key + "' cannot be read");
   return value;
+}
+
+/// Rows behind the last one with anything in it need not be kept.
+void drop_empty_rows(std::vector<interp::ToolOffset>& tools) {
+  const auto empty = [](const interp::ToolOffset& tool) {
+    const auto zero = [](double value) { return value == 0; };
+    return std::ranges::all_of(tool.geometry, zero) && std::ranges::all_of(tool.wear, zero) && tool.radius == 0 &&
+           tool.radius_wear == 0 && tool.tip == 0;
+  };
+  while (!tools.empty() && empty(tools.back())) tools.pop_back();
 }
 
 }  // namespace
@@ -70,7 +81,8 @@ SelectedProgram read_selected(const link::Spool& spool) {
   return {value.value("name", ""), value.value("sha256", "")};
 }
 
-link::RetainedValue data_value(const interp::MachineData& data, const machine::Machine& machine) {
+link::RetainedValue data_value(interp::MachineData data, const machine::Machine& machine) {
+  drop_empty_rows(data.tools);
   json variables = json::object();
   for (const auto& [number, value] : data.common_variables) variables[std::to_string(number)] = value;
   const json value = {{"offsets", json::parse(interp::offsets_to_json(data, axis_names(machine)))},
@@ -81,14 +93,20 @@ link::RetainedValue data_value(const interp::MachineData& data, const machine::M
 }
 
 interp::MachineData read_data(const link::Spool& spool, const machine::Machine& machine, Variables which) {
+  const auto* dialect = dialects::find(machine.profile);
+  // Every row is there from the start: while a program runs no row can be added under the look-ahead's hands.
+  const auto with_rows = [dialect](interp::MachineData read) {
+    const std::size_t rows = dialect != nullptr ? dialect->tools.most_offsets + 1 : 0;
+    if (read.tools.size() < rows) read.tools.resize(rows);
+    return read;
+  };
   interp::MachineData data;
   const json value = parsed(spool, kData);
-  if (value.is_null()) return data;
+  if (value.is_null()) return with_rows(std::move(data));
   std::string problem = interp::load_offsets(value.at("offsets").dump(), axis_names(machine), data);
   if (problem.empty()) problem = interp::load_parameters(value.at("parameters").dump(), data);
   if (!problem.empty())
     throw std::runtime_error("the stored offsets and parameters cannot be read: " + problem);
-  const auto* dialect = dialects::find(machine.profile);
   const dialects::OffsetPage page = dialect != nullptr ? dialects::offset_page(*dialect, data) : dialects::OffsetPage{};
   for (const auto& [name, number_value] : value.at("variables").items()) {
     const auto number = static_cast<std::uint32_t>(std::stoul(name));
@@ -96,7 +114,7 @@ interp::MachineData read_data(const link::Spool& spool, const machine::Machine& 
     if (kept || which == Variables::all) data.common_variables[number] = number_value.get<double>();
   }
   data.version = value.value("version", std::uint64_t{0});
-  return data;
+  return with_rows(std::move(data));
 }
 
 }  // namespace headstock::agent

@@ -19,7 +19,7 @@ struct SelectedProgram {
 link::RetainedValue counters_value(const operation::Retained& retained);
 link::RetainedValue selected_value(const SelectedProgram& selected);
 /// Offsets, parameters and common variables, as one text.
-link::RetainedValue data_value(const interp::MachineData& data, const machine::Machine& machine);
+link::RetainedValue data_value(interp::MachineData data, const machine::Machine& machine);
 
 /// Each throws std::runtime_error when the stored text is not understood: a machine must not start with half its offsets.
 operation::Retained read_counters(const link::Spool& spool);

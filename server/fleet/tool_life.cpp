@@ -46,9 +46,8 @@ Pace pace_of(db::Database& db, std::int64_t machine) {
 std::map<std::int64_t, double> used_since(db::Database& db, std::int64_t machine, std::int64_t since_ms) {
   std::map<std::int64_t, double> used;
   db.each(
-      "SELECT what, before_value, after_value FROM value_changes WHERE machine_id = ? AND at_ms >= ? AND "
-      "what >= "
-      "'tool_life/' AND what < 'tool_life0' AND by_user = ''",
+      "SELECT what, before_value, after_value FROM value_changes WHERE machine_id = ? AND at_ms >= ? AND what "
+      "LIKE 'tool_life/%/used/%' AND by_user = ''",
       {machine, since_ms}, [&](const db::Row& row) {
         const std::string what = row.text(0);
         const std::size_t field = what.find("/used/");

@@ -109,9 +109,8 @@ void record_change(db::Database& db, const db::EventRow& event, const json& told
   if (change.what.empty()) return;
   // G10 L3 and the life page take whole groups in and out.
   if (change.what.ends_with("/registered") && change.after.value_or(0) == 0)
-    db.execute("DELETE FROM machine_values WHERE machine_id = ? AND what >= ? AND what < ?",
-               {change.machine, change.what.substr(0, change.what.size() - 10),
-                change.what.substr(0, change.what.size() - 11) + '0'});
+    db.execute("DELETE FROM machine_values WHERE machine_id = ? AND what LIKE ?",
+               {change.machine, change.what.substr(0, change.what.size() - std::string_view("registered").size()) + "%"});
   db::insert_value_change(db, change);
   db::put_value(db, change.machine, change.what, change.after, change.spool, event.sequence, change.at_ms);
   if (change.request <= 0) return;
