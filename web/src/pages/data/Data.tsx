@@ -2,7 +2,7 @@
 // written as one and read back. Without a machine: the tool changes ahead in the whole shop, and what waits for a second person.
 import { useEffect, useMemo, useRef, useState } from "react";
 import { useTranslation } from "react-i18next";
-import { ApiError, get, list, page, post, query } from "../../api/client";
+import { ApiError, get, list, page, patch, post, query } from "../../api/client";
 import type { Machine } from "../../api/types";
 import { moment } from "../../format/time";
 import { errorText, reasonText } from "../../i18n";
@@ -11,6 +11,7 @@ import { address, go, swap, useRoute } from "../../shell/router";
 import { useMay } from "../../shell/session";
 import { Button, Dialog, ErrorNote, Field, Note, Panel, Tabs, toast, useAction } from "../../ui/parts";
 import { conflicts, findRows, itemsOf, pasteAt, shown, toolSheet, valueOf, variableSheet, withEdit, workSheet, type Edit } from "./grid";
+import { Counts, Orders } from "./Orders";
 import { Parameters } from "./Parameters";
 import { Preview } from "./Preview";
 import { Requests } from "./Requests";
@@ -50,7 +51,7 @@ function ShopData() {
   const { value: waiting, reload } = useLoad((signal) => list<ValueRequest>("/value-requests?state=waiting", signal), [changed]);
   const setter = useMay("setter");
   const { run } = useAction();
-  const policy = (short_life: string) => run(async () => { const { patch } = await import("../../api/client"); await patch("/tool-life", { short_life }); reloadLife(); });
+  const policy = (short_life: string) => run(async () => { await patch("/tool-life", { short_life }); reloadLife(); });
   return (
     <div className="page" data-page="data">
       <div className="page-bar"><h1>{t("nav.data")}</h1><MachineChoice machines={machines} chosen={null} /></div>
@@ -60,6 +61,8 @@ function ShopData() {
         <label className="inline-field">{t("data.short_life")} <select data-field="short-life" value={life.short_life} onChange={(event) => policy(event.target.value)}>
           {["refuse", "warn", "off"].map((one) => <option key={one} value={one}>{t(`data.short_${one}`)}</option>)}</select></label>)}>
         <ToolLifeTable groups={life?.items ?? []} shopWide /></Panel>
+      <Orders machines={machines} names={names} />
+      <Counts names={names} />
       <Panel name="machines" title={t("data.choose_machine")}><div className="machine-links">{machines.map((one) => <a key={one.id} className="button" href={address(["data", one.id])}>{one.name}</a>)}</div></Panel>
     </div>
   );
