@@ -113,7 +113,7 @@ TEST_F(Edit, ARunTellsItsCounterHoldsAndOverrides) {
   bench.press(Action::set_feed_override, 1.2);
   ASSERT_TRUE(bench.start());
   ASSERT_TRUE(bench.until_state(State::idle));
-  const auto started = bench.all<RunStarted>(), again = started;
+  const auto started = bench.all<RunStarted>();
   ASSERT_EQ(started.size(), 1u);
   EXPECT_EQ(started[0].by, "li");
   EXPECT_EQ(started[0].total, 0u);
