@@ -11,6 +11,7 @@ import { address, go, swap, useRoute } from "../../shell/router";
 import { useMay } from "../../shell/session";
 import { Button, Dialog, ErrorNote, Field, Note, Panel, Tabs, toast, useAction } from "../../ui/parts";
 import { conflicts, findRows, itemsOf, pasteAt, shown, toolSheet, valueOf, variableSheet, withEdit, workSheet, type Edit } from "./grid";
+import { LimitsDialog } from "./Limits";
 import { Counts, Orders } from "./Orders";
 import { Parameters } from "./Parameters";
 import { Preview } from "./Preview";
@@ -33,6 +34,17 @@ function useNames() {
   return { machines: value ?? [], names: new Map((value ?? []).map((one) => [one.id, one.name])) };
 }
 
+/// The value, at most every 700 ms: machines that write variables all the time do not make the page ask all the time.
+function useSettled<T>(value: T): T {
+  const [settled, setSettled] = useState(value);
+  const last = useRef(0);
+  useEffect(() => {
+    const timer = setTimeout(() => { last.current = Date.now(); setSettled(value); }, Math.max(0, last.current + 700 - Date.now()));
+    return () => clearTimeout(timer);
+  }, [value]);
+  return settled;
+}
+
 function MachineChoice({ machines, chosen }: { machines: Machine[]; chosen: number | null }) {
   const { t } = useTranslation();
   return (
@@ -46,15 +58,17 @@ function MachineChoice({ machines, chosen }: { machines: Machine[]; chosen: numb
 function ShopData() {
   const { t } = useTranslation();
   const { machines, names } = useNames();
-  const changed = useShop((shop) => shop.valuesSeen);
+  const changed = useSettled(useShop((shop) => shop.valuesSeen));
   const { value: life, error, reload: reloadLife } = useLoad((signal) => get<{ items: LifeGroup[]; short_life: string }>("/tool-life", signal), [changed]);
   const { value: waiting, reload } = useLoad((signal) => list<ValueRequest>("/value-requests?state=waiting", signal), [changed]);
   const setter = useMay("setter");
   const { run } = useAction();
+  const [limiting, setLimiting] = useState(false);
   const policy = (short_life: string) => run(async () => { await patch("/tool-life", { short_life }); reloadLife(); });
   return (
     <div className="page" data-page="data">
-      <div className="page-bar"><h1>{t("nav.data")}</h1><MachineChoice machines={machines} chosen={null} /></div>
+      <div className="page-bar"><h1>{t("nav.data")}</h1><MachineChoice machines={machines} chosen={null} />{setter && <Button data-action="limits" onClick={() => setLimiting(true)}>{t("data.limits")}</Button>}</div>
+      {limiting && <LimitsDialog machine={null} onClose={() => setLimiting(false)} />}
       <Requests requests={waiting ?? []} names={names} onChanged={reload} />
       <ErrorNote error={error} />
       <Panel name="tool-changes" title={t("data.tool_changes")} extra={setter && life && (
@@ -75,7 +89,7 @@ function MachineData({ id }: { id: number }) {
   const tab: Tab = asked && tabs.includes(asked) ? asked : "offsets";
   const { machines, names } = useNames();
   const seen = useMachine(id);
-  const changed = useShop((shop) => shop.valuesSeen);
+  const changed = useSettled(useShop((shop) => shop.valuesSeen.get(id) ?? 0));
   const { value: data, error, reload } = useLoad((signal) => get<MachineValues>(`/machines/${id}/values`, signal), [id, changed]);
   const { value: waiting, reload: reloadWaiting } = useLoad((signal) => list<ValueRequest>(`/value-requests?state=waiting&machine=${id}`, signal), [id, changed]);
   const { value: parameters } = useLoad(async (signal) => (tab === "parameters" ? list<Parameter>(`/machines/${id}/parameters`, signal) : null), [id, tab, changed]);
@@ -86,6 +100,7 @@ function MachineData({ id }: { id: number }) {
   const [onlySet, setOnlySet] = useState(false);
   const [preview, setPreview] = useState<{ title: string; rows: (ValueItem & Partial<SheetRow>)[]; without?: number; origin: string } | null>(null);
   const [choosing, setChoosing] = useState(false);
+  const [limiting, setLimiting] = useState(false);
   const may = useMay("setter");
   const file = useRef<HTMLInputElement>(null);
   const { busy, run } = useAction();
@@ -136,6 +151,7 @@ function MachineData({ id }: { id: number }) {
             {may && <><Button small busy={busy} data-action="import" onClick={() => file.current?.click()}>{t("data.import")}</Button>
               <Button small busy={busy} data-action="copy" onClick={() => setChoosing(true)}>{t("data.copy_restore")}</Button>
               <Button small busy={busy} data-action="snapshot" onClick={snapshot}>{t("data.snapshot")}</Button>
+              <Button small data-action="limits" onClick={() => setLimiting(true)}>{t("data.limits")}</Button>
               <input ref={file} type="file" accept=".csv,.tsv,.txt,text/csv" hidden onChange={(event) => {
                 const chosen = event.target.files?.[0];
                 event.target.value = "";
@@ -152,6 +168,7 @@ function MachineData({ id }: { id: number }) {
       <ChangeBar id={id} name={names.get(id) ?? String(id)} edits={edits} values={values} origin={origin} onClear={() => { setEdits(new Map()); setOrigin("person"); }}
         onForget={(what) => setEdits((now) => { const next = new Map(now); next.delete(what); return next; })} onWritten={() => { reload(); reloadWaiting(); }} />
       {preview && <Preview title={preview.title} rows={preview.rows} {...(preview.without === undefined ? {} : { without: preview.without })} onClose={() => setPreview(null)} onTake={(items) => take(items, preview.origin)} />}
+      {limiting && <LimitsDialog machine={id} onClose={() => setLimiting(false)} />}
       {choosing && <CopyDialog id={id} kind={kind} machines={machines} onClose={() => setChoosing(false)} onFound={(found) => { setChoosing(false); setPreview(found); }} />}
     </div>
   );
