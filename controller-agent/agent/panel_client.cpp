@@ -62,6 +62,10 @@ constexpr Verb kVerbs[] = {
     {"mdi", "mdi", Takes::text, "\"G00 X10.\": the block that start carries out once"},
     {"tap-retract", "tap_retract", Takes::nothing, "pulls a tap out that was stopped in its hole"},
     {"required", "set_parts_required", Takes::number, "parts required"},
+    {"value", "get_value", Takes::name, "show an offset, parameter or variable: tool/3/wear/X"},
+    {"set", "set_value", Takes::name, "write an offset, parameter or variable: tool/3/wear/X=0.02, tool/3/wear/X+=0.01"},
+    {"measured", "measured_value", Takes::name, "the same as a measured value: tool/3/geometry/X=-112.4"},
+    {"parameter-write", "parameter_write", Takes::on_off, "on: parameters may be written (here and from the server)"},
     {"clear-parts", "reset_parts", Takes::nothing, "part count to zero (the total stays)"},
 };
 constexpr std::string_view kModes[] = {"edit", "memory", "mdi", "jog", "handle", "reference", "remote"};
@@ -195,7 +199,10 @@ int run_panel(const std::filesystem::path& folder, const std::vector<std::string
     std::cout << answer.dump(2) << "\n";
     return 0;
   }
-  if (answer.value("accepted", false)) return 0;
+  if (answer.value("accepted", false)) {
+    if (answer.contains("value")) std::cout << answer["value"].dump() << "\n";
+    return 0;
+  }
   const std::string reason = answer.value("reason", "");
   const json text = answer.value("text", json::object());
   std::cerr << "refused: " << text.value(chinese() ? "zh" : "en", reason) << "\n";

@@ -102,19 +102,6 @@ std::uint32_t axes_where(const machine::Machine& machine, Is is) {
   return mask;
 }
 
-/// Takes the lock from the look-ahead thread, which lets go between pieces of work when somebody waits.
-class Access {
- public:
-  Access(std::mutex& mutex, std::atomic<int>& waiting) : guard_(mutex, std::defer_lock) {
-    waiting.fetch_add(1, std::memory_order_relaxed);
-    guard_.lock();
-    waiting.fetch_sub(1, std::memory_order_relaxed);
-  }
-
- private:
-  std::unique_lock<std::mutex> guard_;
-};
-
 AxisVector reference_position(const machine::Machine& machine) {
   AxisVector position{};
   for (std::size_t i = 0; i < machine.axes.size(); ++i) position[i] = machine.axes[i].reference_mm;
@@ -150,8 +137,10 @@ Controller::Impl::Impl(machine::Machine machine_in, interp::MachineData data_in,
   interpreter.set_environment(&macro_environment);
   interpreter.set_switches(switches);
   interpreter.reset(home);
+  if (std::exchange(retained.run_open, false))
+    emit(RunEnded{retained.last_run, "interrupted", std::nan(""), std::nan(""), retained.parts_total, {}});
   interpreter.on_data_change([this](const interp::DataChange& change) {
-    emit(OffsetChanged{change, "program"});
+    emit(OffsetChanged{change, std::string(change.source)});
     if (change.what == "tool_life/change_due" && change.after != 0) {
       const MachineAlarm text = tool_life_message();
       raise(std::string(text.code), {}, last_block, text, true);
@@ -169,6 +158,7 @@ CommandResult Controller::Impl::command(const Command& command) {
   const auto set_override = [&](std::atomic<double>& target, double& kept, Range range) {
     if (!(command.value >= range.least && command.value <= range.most)) return refused("bad_value");
     target = kept = command.value;
+    run_record.overrides(retained.feed_override, retained.rapid_override, retained.spindle_override);
     return accepted();
   };
   const auto set_switch = [&](bool& target) {
@@ -180,9 +170,10 @@ CommandResult Controller::Impl::command(const Command& command) {
   };
   switch (command.action) {
     case Action::cycle_start:
+      if (!run_open) run_by = command.user;
       return cycle_start(command.origin);
     case Action::feed_hold:
-      if (phase == Phase::running) realtime.hold = true;
+      if (phase == Phase::running && !realtime.hold.exchange(true)) ++run_record.holds;
       if (hand_moving != 0) stop_hands();
       if (retracing) {
         retrace.kernel()->abort();
@@ -348,7 +339,8 @@ CommandResult Controller::Impl::start_run(Selection& chosen) {
   realtime.hold = false;
   realtime.running = true;
   run_open = true;
-  emit(RunStarted{++retained.last_run, chosen.name, chosen.revision_hash});
+  run_record = RunRecord::begin(retained.feed_override, retained.rapid_override, retained.spindle_override);
+  emit(RunStarted{++retained.last_run, chosen.name, chosen.revision_hash, retained.parts_total, run_by});
   if (&chosen == &mdi_block) mdi_block.memory.reset();  // once
   return accepted();
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "interpreter/interpreter.hpp"
 #include "machine/machine.hpp"
 #include "motion/kernel.hpp"
+#include "operation/run_record.hpp"
 #include "plc/auxiliary.hpp"
 
 namespace headstock::operation {
@@ -75,6 +77,7 @@ struct Command {
   Action action;
   Origin origin = Origin::panel;
   double value = 0;
+  std::string user = {};  ///< who, when known: named in the record of a run
 };
 /// `reason` is a message key (see web locales), e.g. "not_armed", "running", "alarm"; empty when accepted.
 struct CommandResult {
@@ -143,12 +146,16 @@ struct RunStarted {
   std::uint64_t run;
   std::string program;
   std::string revision_hash;
+  std::uint64_t total = 0;  ///< part counter (total) when it started: the second witness of the parts made
+  std::string by = {};      ///< who pressed cycle start; empty: at the machine
 };
 struct RunEnded {
   std::uint64_t run;
-  std::string outcome;
+  std::string outcome;  // "completed" "reset" "alarm" "interrupted": the agent ended while it ran
   double run_s, cutting_s;
-};  // "completed" "reset" "alarm"
+  std::uint64_t total = 0;  ///< part counter when it ended
+  RunRecord record = {};
+};
 struct StateChanged {
   State state;
   Mode mode;
@@ -156,6 +163,8 @@ struct StateChanged {
 struct OffsetChanged {
   interp::DataChange change;
   std::string origin;
+  std::string by = {};             ///< the person, when it was one
+  std::uint64_t request = 0;       ///< the server's number of the request, 0: none
 };
 using Event =
     std::variant<PartCounted, AlarmRaised, AlarmCleared, RunStarted, RunEnded, StateChanged, OffsetChanged>;
@@ -169,6 +178,14 @@ struct Retained {
   std::uint64_t parts = 0, parts_total = 0, parts_required = 0;
   std::uint64_t last_run = 0, last_alarm = 0;
   double feed_override = 1, rapid_override = 1, spindle_override = 1;
+  bool run_open = false;  ///< a run had begun and its end was not recorded
+};
+
+/// What the storage thread takes at once.
+struct Taken {
+  std::vector<TimedEvent> events;
+  Retained retained;
+  std::optional<interp::MachineData> data;  ///< when an event is about it
 };
 
 struct ControllerOptions {
@@ -181,6 +198,9 @@ struct ControllerOptions {
   std::function<std::int64_t()>
       now_ms;  ///< none: the system clock. Unix time; called by any but the real-time thread
 };
+
+struct EditRequest;
+struct EditResult;
 
 class Controller {
  public:
@@ -242,6 +262,9 @@ class Controller {
   /// Changes offsets or parameters by hand. Refused while running.
   CommandResult edit_data(const std::function<void(interp::MachineData&)>& edit,
                           const interp::DataChange& change, const std::string& origin);
+  /// Writes values by name, all of them or none, if the controller's rules allow it now (dialects/data_rules)
+  /// and each still has the value that the person saw. See operation/data_edit.hpp.
+  EditResult edit_values(const EditRequest& request);
 
   // ---- storage thread: take events, commit them, then say so (the part count's M30 is finished only after
   // that)
@@ -249,6 +272,9 @@ class Controller {
   /// Called when there is an event to take or a retained value may have changed, on the thread that made it, under the
   /// controller's lock: it may only wake somebody. Set before the first work().
   void on_event(std::function<void()> wake);
+  /// All events there are with the values that belong to them, of one instant: a value is never on the disk
+  /// without the event that tells of it.
+  Taken take_events();
   /// @param events how many of the events taken are on the disk now, in total since the controller was made.
   void committed(std::uint64_t events);
 

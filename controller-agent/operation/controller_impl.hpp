@@ -2,6 +2,7 @@
 // look-ahead gives the lock away between pieces of work whenever somebody waits for it.
 #pragma once
 
+#include <atomic>
 #include <deque>
 #include <mutex>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "axes/forbidden_zone.hpp"
 #include "operation/controller.hpp"
+#include "operation/data_edit.hpp"
 #include "operation/macro_environment.hpp"
 #include "operation/motion_feed.hpp"
 #include "operation/overtravel_alarm.hpp"
@@ -54,6 +56,19 @@ struct Selection {
   bool unseen = false;  // chosen over the network, nobody at the machine has seen it
 };
 
+/// Takes the lock from the look-ahead thread, which lets go between pieces of work when somebody waits for it.
+class Access {
+ public:
+  Access(std::mutex& mutex, std::atomic<int>& waiting) : guard_(mutex, std::defer_lock) {
+    waiting.fetch_add(1, std::memory_order_relaxed);
+    guard_.lock();
+    waiting.fetch_sub(1, std::memory_order_relaxed);
+  }
+
+ private:
+  std::unique_lock<std::mutex> guard_;
+};
+
 struct Controller::Impl {
   Impl(machine::Machine machine_in, interp::MachineData data_in, ControllerOptions options);
 
@@ -69,6 +84,8 @@ struct Controller::Impl {
   CommandResult resume();
   void go_on();
   double rapid_f0() const;
+  EditResult edit_values(const EditRequest& request);  // data_edit.cpp
+  bool emergency_braking() const { return emergency && phase == Phase::aborting; }
   bool busy() const {
     return phase == Phase::running || phase == Phase::stopped || phase == Phase::aborting ||
            phase == Phase::manual;
@@ -197,6 +214,8 @@ struct Controller::Impl {
 
   // the run under way
   bool run_open = false;
+  RunRecord run_record;
+  std::string run_by;  // of the next or the present run
   Await await = Await::nothing;
   interp::Operation operation;  // pulled, not yet taken up
   bool has_operation = false;

@@ -38,6 +38,7 @@ void Controller::Impl::raise(const std::string& code, const std::string& detail,
   alarm.raised_ms = now_ms();
   alarm.message = is_message;
   alarms.push_back(alarm);
+  if (!is_message) ++run_record.alarms;
   emit(AlarmRaised{alarm, block_text(at)});
 }
 

@@ -313,6 +313,7 @@ void Controller::Impl::data_ran_out() {
   const bool ran_out = all_traced && now.periods > wait_since_period + 1;
   if (!ran_out || ((!anything_moved || programs.awaited()) && waited_s < kFirstDataWithin_s)) return;
   realtime.hold = true;
+  ++run_record.holds;
   const MachineAlarm text = starved_message();
   raise(std::string(text.code), {}, last_block, text, true);
   wait_since_period = 0;
@@ -339,7 +340,8 @@ void Controller::Impl::finish_run(const char* outcome) {
   const RealtimeState& now = realtime.state();
   emit(RunEnded{retained.last_run, outcome,
                 static_cast<double>(now.run_periods - run_periods_base) * period_s(),
-                static_cast<double>(now.cutting_periods - cutting_periods_base) * period_s()});
+                static_cast<double>(now.cutting_periods - cutting_periods_base) * period_s(),
+                retained.parts_total, run_record});
 }
 
 void Controller::Impl::after_abort() {

@@ -28,6 +28,7 @@
 #include "server/app/web_tls.hpp"
 #include "server/dnc/dnc.hpp"
 #include "server/fleet/fleet.hpp"
+#include "server/fleet/value_requests.hpp"
 #include "server/library/checks.hpp"
 #include "server/library/distribution.hpp"
 #include "server/library/lines.hpp"
@@ -90,12 +91,15 @@ struct Shop::Impl {
         checks(*store, workers, *blobs),
         fleet(io.get_executor(), *store, changes),
         gateway(io, gateway_options(), fleet),
+        values(*store,
+               [this](std::int64_t machine, nlohmann::json write) { return gateway.write_data(machine, std::move(write)); },
+               [this](std::int64_t machine) { fleet.values_changed(machine); }),
         distributor(io.get_executor(), *store, *blobs, checks, library::carried_by(gateway),
                     [this](const db::TransferRow& row) { publish(row); }),
         dnc(io, *store, workers, *blobs, checks, [this](std::int64_t port) { publish_port(port); }),
         jobs(io),
         services{io,    *store,      workers, *blobs,  accounts, checks, lines,
-                 distributor, fleet, changes, gateway, dnc, jobs, version()} {
+                 distributor, fleet, changes, gateway, values, dnc, jobs, version()} {
     fleet.set_distributor(&distributor);
     dnc.set_agents(agents_as_ports());
     api::add_all_routes(router, services);
@@ -133,6 +137,7 @@ struct Shop::Impl {
   library::Checks checks;
   fleet::Fleet fleet;
   server::Gateway gateway;
+  fleet::ValueDesk values;
   library::Distributor distributor;
   dnc::Dnc dnc;
   api::Jobs jobs;

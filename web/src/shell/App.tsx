@@ -18,6 +18,7 @@ import { atLeast, SessionContext } from "./session";
 // The 3-D view and the editor are large: they come when a page needs them.
 const MachinePage = lazy(() => import("../pages/machine/MachinePage").then((m) => ({ default: m.MachinePage })));
 const Dnc = lazy(() => import("../pages/dnc/Dnc").then((m) => ({ default: m.Dnc })));
+const Data = lazy(() => import("../pages/data/Data").then((m) => ({ default: m.Data })));
 const Programs = lazy(() => import("../pages/programs/Programs").then((m) => ({ default: m.Programs })));
 
 export function App() {
@@ -77,6 +78,7 @@ function Frame({ session, onSignOut, onChanged }: {
   if (session.must_change_password) content = <Account forced onChanged={onChanged} />;
   else if (page === "machines" && id) content = <MachinePage key={id} id={Number(id)} />;
   else if (page === "programs") content = <Programs program={id ? Number(id) : null} />;
+  else if (page === "data") content = <Data />;
   else if (page === "dnc") content = <Dnc />;
   else if (page === "alarms") content = <AlarmHistory />;
   else if (page === "times") content = <Times />;
