@@ -25,6 +25,7 @@ enum class Problem {
   disk_full,   ///< no room (or quota, or file size limit); the change was rolled back
   unreadable,  ///< cannot be opened: permissions, a folder, read-only
   constraint,  ///< a rule of the schema was broken (unique, foreign key, immutable row)
+  lost,        ///< the connection to the database server broke; the change was undone or its end is not known
   internal     ///< a mistake of ours
 };
 
@@ -53,6 +54,9 @@ class Database {
   std::optional<std::string> text(std::string_view sql, const Values& values = {});
   /// Runs several statements separated by semicolons (migrations).
   virtual void script(const std::string& sql) = 0;
+  virtual bool has_table(std::string_view name) = 0;
+  /// Where it is, for people: a file, or a server's address without a password.
+  virtual std::string place() const = 0;
 
  protected:
   virtual std::int64_t run(std::string_view sql, const Values& values, const RowHandler& row) = 0;
@@ -83,5 +87,10 @@ class Transaction {
 /// Opens DATA/headstock.db (made if absent): write-ahead log, full sync, foreign keys; checks the file's
 /// integrity. Throws Error{locked, corrupt, unreadable}; a damaged file is never deleted or repaired here.
 std::unique_ptr<Database> open_sqlite(const std::filesystem::path& file);
+
+/// Connects to a PostgreSQL server (`postgresql://user@host/database`, or any libpq connection string) and holds the
+/// database for this process alone. A connection that breaks is made again with the next statement outside a
+/// transaction. Throws Error{unreadable, locked, lost}.
+std::unique_ptr<Database> open_postgres(const std::string& connection);
 
 }  // namespace headstock::db

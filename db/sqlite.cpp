@@ -121,6 +121,11 @@ class Sqlite final : public Database {
     if (sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail();
   }
 
+  bool has_table(std::string_view name) override {
+    return integer("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?", {name}).has_value();
+  }
+  std::string place() const override { return file_; }
+
  protected:
   std::int64_t run(std::string_view sql, const Values& values, const RowHandler& row) override {
     if (depth() > 0 && sqlite3_get_autocommit(handle_) != 0)

@@ -25,6 +25,9 @@ void describe(CLI::App& cli, Options& options, std::string& log_level) {
   cli.add_option("--tls-key", options.tls_key, "Its private key (PEM)");
   cli.add_flag("--tls", options.tls, "TLS on loopback too, with a certificate of the shop's own CA if none is given");
   cli.add_flag("--plain-http", options.plain_http, "Insist on plain HTTP; refused outside loopback");
+  cli.add_option("--database", options.database,
+                 "PostgreSQL database instead of SQLite in the data folder: postgresql://user@host/name, or any libpq string")
+      ->envname("HEADSTOCK_DATABASE");
   cli.add_option("--initial-admin-file", options.first_sign_in_file,
                  "Where to write the first sign-in (default: DATA/first-sign-in)");
   cli.add_option("--log-level", log_level, "trace, debug, info, warn, error")

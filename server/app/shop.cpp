@@ -17,6 +17,7 @@
 #include "db/time.hpp"
 #include "db/user_store.hpp"
 #include "server/access/accounts.hpp"
+#include "server/access/view_tokens.hpp"
 #include "server/api/events/socket.hpp"
 #include "server/api/jobs.hpp"
 #include "server/api/http/web_server.hpp"
@@ -60,11 +61,28 @@ auto with_database(F open) {
   }
 }
 
+/// A wall screen's secret: the shop as a viewer sees it, and nothing that changes anything.
+awaitable<api::Principal> authenticate_screen(db::Store& store, std::string token) {
+  const auto row = co_await store.run(
+      [&token](db::Database& db) { return access::find_view_token(db, token, db::now_ms()); });
+  api::Principal who;
+  if (!row) co_return who;
+  who.user = "screen:" + std::to_string(row->id);
+  who.name = row->name;
+  who.language = "en";
+  who.role = api::Role::viewer;
+  who.look_only = true;
+  who.expires_ms = row->expires_ms.value_or(0);
+  who.token = std::move(token);
+  co_return who;
+}
+
 awaitable<api::Principal> authenticate(db::Store& store, std::string token) {
   const auto session = co_await store.run(
       [&token](db::Database& db) { return access::find_session(db, token, db::now_ms()); });
   api::Principal who;
-  if (!session) co_return who;
+  if (!session) co_return co_await authenticate_screen(store, std::move(token));
+  who.rights = session->rights;
   who.user_id = session->user.id;
   who.user = session->user.user;
   who.name = session->user.name;
@@ -83,7 +101,7 @@ struct Shop::Impl {
       : options(std::move(given)),
         folder(options.data),
         sign_in_file(options.first_sign_in_file.empty() ? options.data / "first-sign-in" : options.first_sign_in_file),
-        store(with_database([&] { return std::make_unique<db::Store>(options.data); })),
+        store(with_database([&] { return std::make_unique<db::Store>(options.data, options.database); })),
         blobs(with_database([&] { return std::make_unique<db::Blobs>(options.data); })),
         accounts(*store, workers),
         lines(*blobs),
@@ -182,6 +200,7 @@ void Shop::Impl::start_web() {
     return api::serve_events(services, look_up, std::move(client), std::move(who));
   };
   host.file = api::static_file;
+  host.machines = [this](const api::Route& route, const api::Call& call) { return api::machines_of(services, route, call); };
   web = std::make_unique<api::WebServer>(io, web_options, router, host);
   web->start();
 }
