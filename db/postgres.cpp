@@ -22,7 +22,7 @@ namespace {
 using namespace std::chrono_literals;
 
 // Type numbers of PostgreSQL's catalogue, fixed for ever.
-constexpr Oid kInt8 = 20, kText = 25, kFloat8 = 701, kUnknown = 0;
+constexpr Oid kBool = 16, kInt8 = 20, kInt2 = 21, kInt4 = 23, kText = 25, kFloat4 = 700, kFloat8 = 701, kNumeric = 1700, kUnknown = 0;
 /// Every Headstock asks for this advisory lock: who has it has the database.
 constexpr const char* kTakeDatabase = "SELECT pg_try_advisory_lock(7239468312)";
 /// After a break the old session may hold the lock until the server has noticed it.
@@ -144,6 +144,22 @@ class PostgresRow final : public Row {
     return number;
   }
   std::string text(int column) const override { return std::string(view(column)); }
+  Value value(int column) const override {
+    if (is_null(column)) return {};
+    switch (PQftype(result_, column)) {
+      case kBool:
+      case kInt2:
+      case kInt4:
+      case kInt8:
+        return integer(column);
+      case kFloat4:
+      case kFloat8:
+      case kNumeric:
+        return real(column);
+      default:
+        return text(column);
+    }
+  }
 
  private:
   std::string_view view(int column) const {
@@ -152,9 +168,13 @@ class PostgresRow final : public Row {
   const PGresult* result_;
 };
 
+/// Its owner has the database for itself and may write; others look at one moment of it.
+enum class Session { owner, looking };
+
 class Postgres final : public Database {
  public:
-  explicit Postgres(std::string connection) : connection_(std::move(connection)) {
+  explicit Postgres(std::string connection, Session session = Session::owner)
+      : connection_(std::move(connection)), session_(session) {
     try {
       connect();
     } catch (...) {
@@ -177,6 +197,34 @@ class Postgres final : public Database {
         .has_value();
   }
   std::string place() const override { return place_; }
+
+  std::vector<TableShape> tables() override {
+    std::vector<TableShape> found;
+    // In the order in which they were made: a table refers only to older ones.
+    each("SELECT relname FROM pg_class WHERE relkind = 'r' AND relnamespace = current_schema()::regnamespace ORDER BY oid",
+         {}, [&](const Row& row) { found.push_back({row.text(0), {}}); });
+    for (TableShape& table : found)
+      each("SELECT column_name FROM information_schema.columns WHERE table_schema = current_schema() AND table_name = ? "
+           "ORDER BY ordinal_position",
+           {table.name}, [&](const Row& row) { table.columns.push_back(row.text(0)); });
+    return found;
+  }
+
+  std::unique_ptr<Snapshot> snapshot(const std::filesystem::path&) override;
+
+  void follow_ids() override {
+    std::vector<std::string> identities;
+    each("SELECT table_name FROM information_schema.columns WHERE table_schema = current_schema() AND column_name = 'id' "
+         "AND is_identity = 'YES'",
+         {}, [&](const Row& row) { identities.push_back(row.text(0)); });
+    for (const std::string& table : identities)
+      integer("SELECT setval(pg_get_serial_sequence('" + table + "', 'id'), COALESCE((SELECT MAX(id) FROM " + table +
+              "), 0) + 1, false)");
+  }
+
+  void set_guard(const std::string& table, const std::string& trigger, Guard guard) override {
+    script("ALTER TABLE " + table + (guard == Guard::open ? " DISABLE" : " ENABLE") + " TRIGGER " + trigger);
+  }
 
  protected:
   std::int64_t run(std::string_view sql, const Values& values, const RowHandler& row) override {
@@ -211,6 +259,12 @@ class Postgres final : public Database {
     // What has been acknowledged to a machine must be on the disk, whatever the server's default is.
     demand(Result(PQexec(handle_, "SET synchronous_commit TO on; SET extra_float_digits TO 1; SET standard_conforming_strings TO on"))
                .get());
+    if (session_ == Session::looking) {
+      demand(Result(PQexec(handle_, "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY")).get());
+      // The moment is that of the first query, not of BEGIN.
+      demand(Result(PQexec(handle_, "SELECT 1")).get());
+      return;
+    }
     take_database();
     demand(Result(PQexec(handle_,
                          "CREATE OR REPLACE FUNCTION headstock_refuse() RETURNS trigger LANGUAGE plpgsql AS $$ "
@@ -234,7 +288,7 @@ class Postgres final : public Database {
     if (broken_ && depth() > 0)
       throw Error(Problem::lost, advice(Problem::lost, place_, "the transaction is undone"));
     if (handle_ && PQstatus(handle_) == CONNECTION_OK && !broken_) return;
-    if (depth() > 0) fail_lost();
+    if (depth() > 0 || (session_ == Session::looking && handle_)) fail_lost();
     if (handle_)
       PQreset(handle_);
     else
@@ -333,11 +387,28 @@ class Postgres final : public Database {
   }
 
   std::string connection_, place_;
+  Session session_;
   PGconn* handle_ = nullptr;
   bool broken_ = false;     ///< until a new connection has been made
   bool streaming_ = false;
   std::unordered_map<std::string, std::string> prepared_;
 };
+
+/// A second connection that sees one moment; PostgreSQL keeps it apart by itself.
+class PostgresSnapshot final : public Snapshot {
+ public:
+  explicit PostgresSnapshot(const std::string& connection)
+      : database_(std::make_unique<Postgres>(connection, Session::looking)) {}
+  bool step() override { return false; }
+  std::unique_ptr<Database> open() override { return std::move(database_); }
+
+ private:
+  std::unique_ptr<Database> database_;
+};
+
+std::unique_ptr<Snapshot> Postgres::snapshot(const std::filesystem::path&) {
+  return std::make_unique<PostgresSnapshot>(connection_);
+}
 
 }  // namespace
 

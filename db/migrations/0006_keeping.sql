@@ -58,6 +58,7 @@ CREATE TABLE alarm_rules (
   escalate_email TEXT NOT NULL DEFAULT '',
   escalate_webhook TEXT NOT NULL DEFAULT '',
   again_after_s INTEGER NOT NULL DEFAULT 300,
+  since_alarm INTEGER NOT NULL DEFAULT 0,
   enabled INTEGER NOT NULL DEFAULT 1,
   removed_ms INTEGER
 );

@@ -26,6 +26,13 @@ namespace headstock::server {
 class Gateway;
 }
 
+namespace headstock::integrations {
+class Notifier;
+}
+namespace headstock::backup {
+class Backups;
+}
+
 namespace headstock::dnc {
 class Dnc;
 }
@@ -48,6 +55,8 @@ struct Services {
   server::Gateway& gateway;
   dnc::Dnc& dnc;
   Jobs& jobs;
+  integrations::Notifier& notifier;
+  backup::Backups& backups;
   std::string version;
 };
 

@@ -28,7 +28,9 @@
 #include "generated/version.hpp"
 #include "server/app/web_tls.hpp"
 #include "server/dnc/dnc.hpp"
+#include "server/backup/backups.hpp"
 #include "server/fleet/fleet.hpp"
+#include "server/integrations/notifier.hpp"
 #include "server/library/checks.hpp"
 #include "server/library/distribution.hpp"
 #include "server/library/lines.hpp"
@@ -59,6 +61,18 @@ auto with_database(F open) {
     const bool in_use = error.problem() == db::Problem::locked;
     throw StartError(in_use ? StartError::data_in_use : StartError::database, error.what());
   }
+}
+
+/// For work that runs beside the second's own.
+auto logged(const char* what) {
+  return [what](std::exception_ptr error) {
+    if (!error) return;
+    try {
+      std::rethrow_exception(error);
+    } catch (const std::exception& problem) {
+      spdlog::error("{}: {}", what, problem.what());
+    }
+  };
 }
 
 /// A wall screen's secret: the shop as a viewer sees it, and nothing that changes anything.
@@ -112,9 +126,15 @@ struct Shop::Impl {
                     [this](const db::TransferRow& row) { publish(row); }),
         dnc(io, *store, workers, *blobs, checks, [this](std::int64_t port) { publish_port(port); }),
         jobs(io),
+        notifier(*store, messenger),
+        backups(*store, keeper, *blobs, options.data, version()),
         services{io,    *store,      workers, *blobs,  accounts, checks, lines,
-                 distributor, fleet, changes, gateway, dnc, jobs, version()} {
+                 distributor, fleet, changes, gateway, dnc, jobs, notifier, backups, version()} {
     fleet.set_distributor(&distributor);
+    backups.set_restorer({.send = [this](access::Actor actor, std::int64_t program, std::int64_t revision, std::int64_t machine) {
+                            return send_restored(std::move(actor), program, revision, machine);
+                          },
+                          .write = {}});
     api::add_all_routes(router, services);
   }
 
@@ -126,6 +146,7 @@ struct Shop::Impl {
     return agents;
   }
 
+  awaitable<nlohmann::json> send_restored(access::Actor actor, std::int64_t program, std::int64_t revision, std::int64_t machine);
   void publish(const db::TransferRow& row);
   void publish_port(std::int64_t port);
   void make_first_administrator();
@@ -152,6 +173,10 @@ struct Shop::Impl {
   library::Distributor distributor;
   dnc::Dnc dnc;
   api::Jobs jobs;
+  db::Pool messenger{1};   ///< mail servers may be slow; nothing else waits behind them
+  db::Pool keeper{1};      ///< backups and retention take minutes
+  integrations::Notifier notifier;
+  backup::Backups backups;
   api::Services services;
   api::Router router;
   std::unique_ptr<asio::ssl::context> tls;
@@ -162,6 +187,22 @@ struct Shop::Impl {
   asio::steady_timer second{io};
   bool stopping = false;
 };
+
+/// As a person would send it: planned, checked, with a state and a reason.
+awaitable<nlohmann::json> Shop::Impl::send_restored(access::Actor actor, std::int64_t program, std::int64_t revision,
+                                                    std::int64_t machine) {
+  actor.rights = nullptr;   // who may restore a machine may send what is released to it
+  actor.role = std::max(actor.role, access::Role::programmer);
+  std::vector<std::int64_t> machines = {machine};
+  const auto plan = co_await distributor.distribute(std::move(actor), program, revision, std::move(machines));
+  const auto id = plan.id;
+  const auto first = co_await store->run([id](db::Database& db) {
+    return db.integer("SELECT id FROM transfers WHERE distribution_id = ?", {id}).value_or(0);
+  });
+  const auto transfer = co_await distributor.find(first);
+  if (!transfer) co_return nlohmann::json{{"state", "failed"}, {"reason", "not_connected"}};
+  co_return nlohmann::json{{"state", transfer->state}, {"reason", transfer->reason}, {"transfer", transfer->id}};
+}
 
 void Shop::Impl::publish(const db::TransferRow& row) {
   changes.publish({"transfer", row.machine, std::make_shared<const nlohmann::json>(nlohmann::json{{"transfer", api::to_json(row)}})});
@@ -224,6 +265,8 @@ awaitable<void> Shop::Impl::tick() {
     try {
       fleet.tick();
       if (seconds % 10 == 0) co_await forget_first_sign_in();
+      asio::co_spawn(io, notifier.look(), logged("messages"));
+      if (seconds % 60 == 30) asio::co_spawn(io, backups.every_minute(), logged("backups and retention"));
     } catch (const std::exception& error) {
       spdlog::error("the second's work failed: {}", error.what());
     }
@@ -297,6 +340,8 @@ void Shop::run(Signals signals, const std::function<void()>& ready) {
   ready();
   impl.io.run();
   impl.workers.join();
+  impl.messenger.join();
+  impl.keeper.join();
 }
 
 void Shop::stop() {
