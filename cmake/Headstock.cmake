@@ -27,6 +27,18 @@ if(HEADSTOCK_FUZZ)
   target_compile_options(headstock_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
+# Several sources in one run of the compiler: their headers are read once. headstock_together(TARGET…) names the targets
+# whose sources may stand in one file, that is, whose file-local names do not clash.
+function(headstock_together)
+  if(HEADSTOCK_TOGETHER)
+    foreach(target ${ARGN})
+      set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+      # Seen from the joined file, what is local to one source looks as if it were local to a header.
+      target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+    endforeach()
+  endif()
+endfunction()
+
 # headstock_library(NAME SOURCES a.cpp … DEPENDS other …): static library, alias headstock::NAME.
 function(headstock_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})

@@ -52,7 +52,7 @@ Problem problem_of(std::string_view state) {
   return Problem::internal;
 }
 
-std::string advice(Problem problem, const std::string& place, std::string detail) {
+std::string words_for(Problem problem, const std::string& place, std::string detail) {
   while (!detail.empty() && detail.back() == '\n') detail.pop_back();
   for (char& c : detail)
     if (c == '\n') c = ' ';
@@ -246,7 +246,7 @@ class Postgres final : public Database {
     if (PQstatus(handle_) != CONNECTION_OK) {
       const std::string detail = word(PQerrorMessage(handle_));
       PQfinish(std::exchange(handle_, nullptr));
-      throw Error(Problem::unreadable, advice(Problem::unreadable, place_, detail));
+      throw Error(Problem::unreadable, words_for(Problem::unreadable, place_, detail));
     }
     prepare_session();
   }
@@ -279,14 +279,14 @@ class Postgres final : public Database {
       demand(result.get());
       if (word(PQgetvalue(result.get(), 0, 0)) == "t") return;
       if (std::chrono::steady_clock::now() >= until)
-        throw Error(Problem::locked, advice(Problem::locked, place_, ""));
+        throw Error(Problem::locked, words_for(Problem::locked, place_, ""));
       std::this_thread::sleep_for(100ms);
     }
   }
 
   void demand_connection() {
     if (broken_ && depth() > 0)
-      throw Error(Problem::lost, advice(Problem::lost, place_, "the transaction is undone"));
+      throw Error(Problem::lost, words_for(Problem::lost, place_, "the transaction is undone"));
     if (handle_ && PQstatus(handle_) == CONNECTION_OK && !broken_) return;
     if (depth() > 0 || (session_ == Session::looking && handle_)) fail_lost();
     if (handle_)
@@ -300,7 +300,7 @@ class Postgres final : public Database {
 
   [[noreturn]] void fail_lost() {
     broken_ = true;
-    throw Error(Problem::lost, advice(Problem::lost, place_, word(handle_ ? PQerrorMessage(handle_) : "")));
+    throw Error(Problem::lost, words_for(Problem::lost, place_, word(handle_ ? PQerrorMessage(handle_) : "")));
   }
 
   /// The name of the statement, prepared with the types of its values; empty when too many are prepared already.
@@ -383,7 +383,7 @@ class Postgres final : public Database {
     if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK) return;
     const Problem problem = problem_of(word(PQresultErrorField(result, PG_DIAG_SQLSTATE)));
     if (problem == Problem::lost) broken_ = true;
-    throw Error(problem, advice(problem, place_, word(PQresultErrorMessage(result))));
+    throw Error(problem, words_for(problem, place_, word(PQresultErrorMessage(result))));
   }
 
   std::string connection_, place_;

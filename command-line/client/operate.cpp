@@ -14,7 +14,7 @@ namespace headstock::client {
 
 namespace {
 
-struct Fields {
+struct RunFields {
   std::string machine, program;
   int revision = 0;
   bool wait = false;
@@ -42,7 +42,7 @@ json newest_run(Connection& server, const std::string& machine) {
   return runs.empty() ? json(nullptr) : runs.front();
 }
 
-void run(Context& context, const Fields& fields) {
+void run(Context& context, const RunFields& fields) {
   auto server = context.connect();
   const auto machine = find_machine(server, fields.machine).at("id").dump();
   const auto name = resident_name(server, machine, fields.program);
@@ -66,14 +66,14 @@ void run(Context& context, const Fields& fields) {
   show(context, last, name + ": " + (outcome == "completed" ? say("completed", "完成") : outcome) + ", " + duration(last.at("run_s")));
 }
 
-void command(const Context& context, const Fields& fields, const char* action) {
+void command(const Context& context, const RunFields& fields, const char* action) {
   auto server = context.connect();
   const auto machine = find_machine(server, fields.machine).at("id").dump();
   const auto answer = server.send("POST", "/machines/" + machine + "/commands", {{"action", action}});
   show(context, answer, say("accepted", "已接受"));
 }
 
-void drip(Context& context, const Fields& fields) {
+void drip(Context& context, const RunFields& fields) {
   auto server = context.connect();
   const auto machine = find_machine(server, fields.machine).at("id").dump();
   const auto program = find_program(server, fields.program);
@@ -110,7 +110,7 @@ std::string live_line(const json& live) {
   return text;
 }
 
-void watch(const Context& context, const Fields& fields) {
+void watch(const Context& context, const RunFields& fields) {
   auto server = context.connect();
   json topics = json::array({"transfers"});
   if (fields.machine.empty())
@@ -138,7 +138,7 @@ void watch(const Context& context, const Fields& fields) {
 }  // namespace
 
 void add_operate_commands(CLI::App& app, Context& context) {
-  const auto fields = std::make_shared<Fields>();
+  const auto fields = std::make_shared<RunFields>();
   const auto add = [&](const char* name, const char* about, auto body) {
     auto* added = app.add_subcommand(name, about);
     added->callback([&context, fields, body] { guarded(context, [&] { body(context, *fields); }); });
@@ -148,9 +148,9 @@ void add_operate_commands(CLI::App& app, Context& context) {
   start->add_option("MACHINE", fields->machine)->required();
   start->add_option("PROGRAM", fields->program, "Name in the machine's memory")->required();
   start->add_flag("--wait", fields->wait, "Until the run has ended; exit status 2 unless it was completed");
-  add("hold", "Feed hold", [](Context& c, const Fields& f) { command(c, f, "feed_hold"); })
+  add("hold", "Feed hold", [](Context& c, const RunFields& f) { command(c, f, "feed_hold"); })
       ->add_option("MACHINE", fields->machine)->required();
-  add("reset", "Reset: ends the program and clears alarms", [](Context& c, const Fields& f) { command(c, f, "reset"); })
+  add("reset", "Reset: ends the program and clears alarms", [](Context& c, const RunFields& f) { command(c, f, "reset"); })
       ->add_option("MACHINE", fields->machine)->required();
   auto* feed = add("drip", "Drip-feed a released program that is larger than the machine's memory", drip);
   feed->add_option("MACHINE", fields->machine)->required();

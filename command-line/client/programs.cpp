@@ -16,13 +16,13 @@ namespace headstock::client {
 
 namespace {
 
-struct Fields {
+struct ProgramFields {
   std::string program, file, folder = "/", note, name, machine, why, text, out;
   std::vector<std::string> machines;
   int revision = 0, from = 0, to = 0;
   bool wait = false, make = false, remove = false;
 };
-using Shared = std::shared_ptr<Fields>;
+using Shared = std::shared_ptr<ProgramFields>;
 
 /// The number asked for, otherwise the newest (or, where it matters, the released) revision.
 std::string revision_of(const json& program, int asked, const char* otherwise) {
@@ -33,7 +33,7 @@ std::string revision_of(const json& program, int asked, const char* otherwise) {
   return revision.at("number").dump();
 }
 
-std::string path_of(const json& program) {
+std::string program_path(const json& program) {
   const auto folder = program.value("folder", std::string("/"));
   return (folder == "/" ? "" : folder) + "/" + program.value("name", std::string());
 }
@@ -42,7 +42,7 @@ std::string program_table(const json& programs) {
   std::vector<Line> rows;
   for (const auto& program : programs) {
     const auto &newest = program.at("newest"), &released = program.at("released");
-    rows.push_back({cell(program.at("id")), path_of(program), newest.is_object() ? cell(newest.at("number")) : "–",
+    rows.push_back({cell(program.at("id")), program_path(program), newest.is_object() ? cell(newest.at("number")) : "–",
                     released.is_object() ? cell(released.at("number")) : "–", newest.is_object() ? cell(newest.at("bytes")) : "–",
                     newest.is_object() ? cell(newest.at("by")) : "–", newest.is_object() ? local_time(newest.at("at")) : "–"});
   }
@@ -59,7 +59,7 @@ std::string transfer_table(const json& transfers) {
   return table({say("transfer", "传输"), say("machine", "机床"), say("state", "状态"), say("bytes", "字节"), say("reason", "原因")}, rows);
 }
 
-void put(const Context& context, const Fields& fields) {
+void put(const Context& context, const ProgramFields& fields) {
   auto server = context.connect();
   const auto name = fields.name.empty() ? std::filesystem::path(fields.file).filename().string() : fields.name;
   const bool bar = !context.as_json && ::isatty(STDERR_FILENO) != 0;
@@ -73,7 +73,7 @@ void put(const Context& context, const Fields& fields) {
   const auto answer = server.upload("/programs?folder=" + encoded(fields.folder) + "&name=" + encoded(name) + "&note=" + encoded(fields.note),
                                     fields.file, progress);
   const auto& revision = answer.at("revision");
-  std::string text = path_of(answer.at("program")) + say(" revision ", " 版本 ") + cell(revision.at("number")) + ", " +
+  std::string text = program_path(answer.at("program")) + say(" revision ", " 版本 ") + cell(revision.at("number")) + ", " +
                      cell(revision.at("bytes")) + say(" bytes, SHA-256 ", " 字节，SHA-256 ") + cell(revision.at("sha256"));
   if (!answer.value("created", true)) text += say("\nthe same content as the newest revision: nothing was added", "\n内容与最新版本相同，未新增版本");
   if (answer.at("duplicate_of").is_object())
@@ -82,7 +82,7 @@ void put(const Context& context, const Fields& fields) {
   show(context, answer, text);
 }
 
-void get(const Context& context, const Fields& fields) {
+void get(const Context& context, const ProgramFields& fields) {
   auto server = context.connect();
   const auto program = find_program(server, fields.program);
   const auto path = "/programs/" + program.at("id").dump() + "/revisions/" + revision_of(program, fields.revision, "newest") + "/content";
@@ -101,7 +101,7 @@ void get(const Context& context, const Fields& fields) {
   std::filesystem::rename(temporary, fields.out);
 }
 
-void list(const Context& context, const Fields& fields) {
+void list(const Context& context, const ProgramFields& fields) {
   auto server = context.connect();
   json all = json::array();
   std::string cursor;
@@ -114,7 +114,7 @@ void list(const Context& context, const Fields& fields) {
   show(context, all, program_table(all));
 }
 
-void revisions(const Context& context, const Fields& fields) {
+void revisions(const Context& context, const ProgramFields& fields) {
   auto server = context.connect();
   const auto items = server.get("/programs/" + find_program(server, fields.program).at("id").dump() + "/revisions").at("items");
   std::vector<Line> rows;
@@ -124,7 +124,7 @@ void revisions(const Context& context, const Fields& fields) {
   show(context, items, table({say("revision", "版本"), say("bytes", "字节"), say("lines", "行"), say("by", "上传者"), say("at", "时间"), "", say("note", "说明")}, rows));
 }
 
-void diff(const Context& context, const Fields& fields) {
+void diff(const Context& context, const ProgramFields& fields) {
   auto server = context.connect();
   const auto program = find_program(server, fields.program);
   const int to = std::stoi(revision_of(program, fields.to, "newest"));
@@ -144,7 +144,7 @@ void diff(const Context& context, const Fields& fields) {
   show(context, answer, text);
 }
 
-void check(Context& context, const Fields& fields) {
+void check(Context& context, const ProgramFields& fields) {
   auto server = context.connect();
   const auto program = find_program(server, fields.program);
   const auto machine = find_machine(server, fields.machine);
@@ -162,20 +162,20 @@ void check(Context& context, const Fields& fields) {
   if (!passed) context.status = refused;
 }
 
-void release(const Context& context, const Fields& fields) {
+void release(const Context& context, const ProgramFields& fields) {
   auto server = context.connect();
   const auto program = find_program(server, fields.program);
   json body = {{"why", fields.why}};
   if (!fields.machine.empty()) body["machine"] = find_machine(server, fields.machine).at("id");
   const auto answer = server.send("POST", "/programs/" + program.at("id").dump() + "/revisions/" + revision_of(program, fields.revision, "newest") + "/release", body);
-  show(context, answer, path_of(answer) + say(" revision ", " 版本 ") + answer.at("released").at("number").dump() + say(" is released", " 已发布"));
+  show(context, answer, program_path(answer) + say(" revision ", " 版本 ") + answer.at("released").at("number").dump() + say(" is released", " 已发布"));
 }
 
-void withdraw(const Context& context, const Fields& fields) {
+void withdraw(const Context& context, const ProgramFields& fields) {
   auto server = context.connect();
   const auto program = find_program(server, fields.program);
   const auto answer = server.send("DELETE", "/programs/" + program.at("id").dump() + "/release", {{"why", fields.why}});
-  show(context, answer, path_of(answer) + say(": the release is withdrawn", "：已撤销发布"));
+  show(context, answer, program_path(answer) + say(": the release is withdrawn", "：已撤销发布"));
 }
 
 bool all_over(const json& transfers) {
@@ -186,7 +186,7 @@ bool all_over(const json& transfers) {
   return true;
 }
 
-void send(Context& context, const Fields& fields) {
+void send_to_machines(Context& context, const ProgramFields& fields) {
   auto server = context.connect();
   const auto program = find_program(server, fields.program);
   json machines = json::array();
@@ -202,7 +202,7 @@ void send(Context& context, const Fields& fields) {
   show(context, answer, transfer_table(answer.at("transfers")));
 }
 
-void folders(const Context& context, const Fields& fields) {
+void folders(const Context& context, const ProgramFields& fields) {
   auto server = context.connect();
   if (fields.make) server.send("POST", "/folders", {{"path", fields.folder}});
   if (fields.remove) server.send("DELETE", "/folders?path=" + encoded(fields.folder), nullptr);
@@ -219,7 +219,7 @@ void add_program_commands(CLI::App& app, Context& context) {
   programs->require_subcommand(1);
   const auto command = [&](const char* name, const char* about, auto run) {
     auto* added = programs->add_subcommand(name, about);
-    const auto fields = std::make_shared<Fields>();
+    const auto fields = std::make_shared<ProgramFields>();
     added->callback([&context, fields, run] { guarded(context, [&] { run(context, *fields); }); });
     return std::pair{added, fields};
   };
@@ -272,7 +272,7 @@ void add_program_commands(CLI::App& app, Context& context) {
     to->add_option("--why", fields->why)->required();
   }
   {
-    auto [to, fields] = command("send", "Send the released revision to machines; a result for each", send);
+    auto [to, fields] = command("send", "Send the released revision to machines; a result for each", send_to_machines);
     program_option(to, fields);
     to->add_option("MACHINES", fields->machines, "Ids or names")->required();
   }

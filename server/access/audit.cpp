@@ -6,6 +6,10 @@
 
 namespace headstock::access {
 
+std::string subject(std::string_view kind, std::int64_t id) {
+  return std::string(kind).append(":").append(std::to_string(id));
+}
+
 void record(db::Database& db, const Actor& actor, std::string_view action, const std::string& subject,
             std::initializer_list<std::pair<std::string_view, std::string>> detail) {
   nlohmann::json json = nlohmann::json::object();

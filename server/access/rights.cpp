@@ -102,7 +102,7 @@ void set_grants(db::Database& db, const Actor& actor, std::int64_t user, const s
   demand(actor, Action::manage_users);
   db::Transaction transaction(db);
   const auto row = db::user(db, user);
-  if (!row) throw db::Refusal("not_found", "user:" + std::to_string(user));
+  if (!row) throw db::Refusal("not_found", subject("user", user));
   std::string all;
   for (const db::GrantRow& grant : grants) {
     demand_sound(db, grant);
@@ -110,7 +110,7 @@ void set_grants(db::Database& db, const Actor& actor, std::int64_t user, const s
   }
   db::replace_grants(db, user, grants);
   demand_other_keeper(db);
-  record(db, actor, "user.grants", "user:" + std::to_string(user), {{"user", row->user}, {"grants", all}});
+  record(db, actor, "user.grants", subject("user", user), {{"user", row->user}, {"grants", all}});
   transaction.commit();
 }
 
@@ -130,7 +130,7 @@ std::int64_t put_group(db::Database& db, const Actor& actor, const db::GroupRow&
     members += (members.empty() ? "" : " ") + std::to_string(machine);
   }
   const std::int64_t id = db::put_machine_group(db, group);
-  record(db, actor, "machine_group.put", "group:" + std::to_string(id), {{"name", group.name}, {"machines", members}});
+  record(db, actor, "machine_group.put", subject("group", id), {{"name", group.name}, {"machines", members}});
   transaction.commit();
   return id;
 }
@@ -140,12 +140,12 @@ void remove_group(db::Database& db, const Actor& actor, std::int64_t id) {
   db::Transaction transaction(db);
   const auto groups = db::machine_groups(db);
   const auto found = std::ranges::find(groups, id, &db::GroupRow::id);
-  if (found == groups.end()) throw db::Refusal("not_found", "group:" + std::to_string(id));
+  if (found == groups.end()) throw db::Refusal("not_found", subject("group", id));
   if (db.integer("SELECT 1 FROM alarm_rules WHERE group_id = ? AND removed_ms IS NULL", {id})) throw db::Refusal("in_use", found->name);
   db.execute("UPDATE alarm_rules SET group_id = NULL WHERE group_id = ?", {id});
   db::remove_machine_group(db, id);
   demand_other_keeper(db);
-  record(db, actor, "machine_group.remove", "group:" + std::to_string(id), {{"name", found->name}});
+  record(db, actor, "machine_group.remove", subject("group", id), {{"name", found->name}});
   transaction.commit();
 }
 

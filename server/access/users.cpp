@@ -13,10 +13,6 @@ namespace {
 
 constexpr std::int64_t kTouchMs = 60'000;
 
-std::string subject(std::int64_t id) {
-  return std::string("user:").append(std::to_string(id));
-}
-
 void demand_user_name(const std::string& name) {
   const bool good = !name.empty() && name.size() <= 64 && std::ranges::all_of(name, [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '.' || c == '-' || c == '_' || c == '@';
@@ -30,7 +26,7 @@ void demand_language(const std::string& language) {
 
 db::UserRow require_user(db::Database& db, std::int64_t id) {
   auto row = db::user(db, id);
-  if (!row) throw db::Refusal("not_found", subject(id));
+  if (!row) throw db::Refusal("not_found", subject("user", id));
   return *row;
 }
 
@@ -77,7 +73,7 @@ User create_user(db::Database& db, const Actor& actor, const NewUser& user, std:
   row.must_change_password = user.must_change_password;
   row.created_ms = now_ms;
   row.id = db::insert_user(db, row);
-  record(db, actor, "user.create", subject(row.id), {{"user", row.user}, {"role", row.role}});
+  record(db, actor, "user.create", subject("user", row.id), {{"user", row.user}, {"role", row.role}});
   transaction.commit();
   return public_part(row);
 }
@@ -105,7 +101,7 @@ User change_user(db::Database& db, const Actor& actor, std::int64_t id, const Us
   if (was_administrator && (row.role != "administrator" || row.disabled)) demand_other_administrator(db, id);
   db::update_user(db, row);
   if (!own) db::remove_sessions_of(db, id);
-  record(db, actor, "user.change", subject(id),
+  record(db, actor, "user.change", subject("user", id),
          {{"user", row.user},
           {"role", row.role},
           {"disabled", row.disabled ? "yes" : "no"},
@@ -120,7 +116,7 @@ void delete_user(db::Database& db, const Actor& actor, std::int64_t id, std::int
   const db::UserRow row = require_user(db, id);
   if (row.role == "administrator" && !row.disabled) demand_other_administrator(db, id);
   db::remove_user(db, id, now_ms);
-  record(db, actor, "user.delete", subject(id), {{"user", row.user}});
+  record(db, actor, "user.delete", subject("user", id), {{"user", row.user}});
   transaction.commit();
 }
 
@@ -142,7 +138,7 @@ std::optional<Session> find_session(db::Database& db, const std::string& token, 
 void sign_out(db::Database& db, const Actor& actor, const std::string& token, std::int64_t /*now_ms*/) {
   db::Transaction transaction(db);
   db::remove_session(db, db::sha256_hex(token));
-  record(db, actor, "session.end", subject(actor.user_id));
+  record(db, actor, "session.end", subject("user", actor.user_id));
   transaction.commit();
 }
 

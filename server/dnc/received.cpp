@@ -14,10 +14,6 @@ namespace {
 /// Larger texts are compared by their content only.
 constexpr std::int64_t kMostCompared = 8 << 20;
 
-std::string subject(std::int64_t id) {
-  return std::string("received:").append(std::to_string(id));
-}
-
 std::string names_of(const std::vector<library::ChangeClass>& classes) {
   std::string names;
   for (const auto change : classes) {
@@ -37,7 +33,7 @@ db::ReceivedRow decide(db::Database& db, const access::Actor& actor, std::int64_
   row->decided_why = why;
   row->decided_ms = now_ms;
   db::update_received(db, *row);
-  access::record(db, actor, std::string("received.").append(state), subject(id),
+  access::record(db, actor, std::string("received.").append(state), access::subject("received", id),
                  {{"name", row->name}, {"sha256", row->sha256}, {"why", why}});
   return *row;
 }

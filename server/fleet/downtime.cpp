@@ -16,10 +16,6 @@ constexpr std::size_t kLongestText = 500;
 /// Between a browser's clock and ours.
 constexpr std::int64_t kClockSlackMs = 60'000;
 
-std::string subject(std::int64_t machine) {
-  return std::string("machine:").append(std::to_string(machine));
-}
-
 constexpr const char* kNote =
     "SELECT n.id, n.machine_id, n.from_ms, n.to_ms, n.reason_id, COALESCE(r.planned, 0), n.note, n.by_user, "
     "n.at_ms "
@@ -108,7 +104,7 @@ DowntimeNote note_downtime(db::Database& db, const access::Actor& actor, const D
       "INSERT INTO downtime_notes (machine_id, from_ms, to_ms, reason_id, note, by_user, at_ms) "
       "VALUES (?, ?, ?, ?, ?, ?, ?) RETURNING id",
       {note.machine, note.from_ms, note.to_ms, note.reason, note.note, actor.user, now_ms});
-  access::record(db, actor, "downtime.note", subject(note.machine),
+  access::record(db, actor, "downtime.note", access::subject("machine", note.machine),
                  {{"reason", note.reason ? std::to_string(*note.reason) : "none"}, {"note", note.note}});
   DowntimeNote kept;
   db.each(std::string(kNote) + "WHERE n.id = ?", {id}, [&](const db::Row& row) { kept = note_of(row); });
@@ -218,7 +214,7 @@ Reject note_reject(db::Database& db, const access::Actor& actor, const Reject& r
       "INSERT INTO rejects (machine_id, at_ms, program, quantity, why, by_user, entered_ms) "
       "VALUES (?, ?, ?, ?, ?, ?, ?) RETURNING id",
       {kept.machine, kept.at_ms, kept.program, kept.quantity, kept.why, kept.by_user, kept.entered_ms});
-  access::record(db, actor, "reject.note", subject(kept.machine),
+  access::record(db, actor, "reject.note", access::subject("machine", kept.machine),
                  {{"quantity", std::to_string(kept.quantity)}, {"why", kept.why}});
   transaction.commit();
   return kept;

@@ -14,10 +14,6 @@ using access::Actor;
 using access::demand;
 using access::record;
 
-std::string subject(std::int64_t machine) {
-  return std::string("machine:").append(std::to_string(machine));
-}
-
 void demand_usable_file(const std::string& toml, const std::string& profile) {
   if (!machine::default_machine(profile)) throw db::Refusal("bad_profile", profile.substr(0, 60));
   if (toml.empty()) return;
@@ -40,7 +36,7 @@ std::string config_hash(const std::string& profile, const std::string& toml) {
 
 db::MachineRow require_machine(db::Database& db, std::int64_t id) {
   auto row = db::machine(db, id);
-  if (!row) throw db::Refusal("not_found", subject(id));
+  if (!row) throw db::Refusal("not_found", access::subject("machine", id));
   return *row;
 }
 
@@ -58,7 +54,7 @@ db::MachineRow create_machine(db::Database& db, const Actor& actor, const std::s
   row.config_hash = config_hash(profile, toml);
   row.created_ms = now_ms;
   row.id = db::insert_machine(db, row);
-  record(db, actor, "machine.create", subject(row.id), {{"name", name}, {"profile", profile}});
+  record(db, actor, "machine.create", access::subject("machine", row.id), {{"name", name}, {"profile", profile}});
   row = require_machine(db, row.id);
   transaction.commit();
   return row;
@@ -85,7 +81,7 @@ db::MachineRow change_machine(db::Database& db, const Actor& actor, std::int64_t
     row.parts_required = *change.parts_required;
   }
   db::update_machine(db, row);
-  record(db, actor, "machine.change", subject(id),
+  record(db, actor, "machine.change", access::subject("machine", id),
          {{"name", row.name},
           {"config", row.config_hash},
           {"parts_required", std::to_string(row.parts_required)}});
@@ -98,7 +94,7 @@ void remove_machine(db::Database& db, const Actor& actor, std::int64_t id, std::
   db::Transaction transaction(db);
   const db::MachineRow row = require_machine(db, id);
   db::remove_machine(db, id, now_ms);
-  record(db, actor, "machine.remove", subject(id), {{"name", row.name}});
+  record(db, actor, "machine.remove", access::subject("machine", id), {{"name", row.name}});
   transaction.commit();
 }
 
@@ -108,7 +104,7 @@ std::string issue_token(db::Database& db, const Actor& actor, std::int64_t machi
   require_machine(db, machine);
   const std::string secret = db::random_hex(24);
   db::insert_token(db, machine, db::sha256_hex(secret), actor.user, now_ms, now_ms + kTokenLifeMs);
-  record(db, actor, "machine.token", subject(machine));
+  record(db, actor, "machine.token", access::subject("machine", machine));
   transaction.commit();
   return secret;
 }

@@ -10,6 +10,7 @@
 #include <unordered_map>
 
 #include "db/refusal.hpp"
+#include "server/library/lines.hpp"
 #include "server/library/text_facts.hpp"
 
 namespace headstock::library {
@@ -18,7 +19,6 @@ namespace {
 constexpr std::array<std::string_view, 5> kKinds = {"same", "changed", "added", "removed", "skipped"};
 constexpr std::array<std::string_view, 6> kClasses = {"none",   "comment",  "feed_speed",
                                                       "offset", "geometry", "structure"};
-constexpr std::size_t kLongestShown = 4'096;        // bytes of a line in a row
 constexpr std::size_t kMostTableLines = 2'000'000;  // lines a side that are searched at all
 constexpr int kMostEdits = 1'500;                   // one greedy search; its memory grows with the square
 

@@ -41,10 +41,6 @@ bool is_over(const std::string& state) {
   return state == "done" || state == "failed" || state == "cancelled";
 }
 
-std::string subject(std::int64_t transfer) {
-  return std::string("transfer:").append(std::to_string(transfer));
-}
-
 db::TransferRow new_transfer(const Actor& actor, const db::ProgramRow& program,
                              const db::RevisionRow& revision, std::int64_t machine, const char* kind,
                              std::int64_t now_ms) {
@@ -296,7 +292,7 @@ asio::awaitable<db::TransferRow> Distributor::drip(Actor actor, std::int64_t mac
   const auto insert = [=](db::Database& db) {
     db::Transaction transaction(db);
     const std::int64_t id = db::insert_transfer(db, row);
-    record(db, actor, "drip.open", subject(id),
+    record(db, actor, "drip.open", access::subject("transfer", id),
            {{"machine", std::to_string(machine)},
             {"program", std::to_string(program)},
             {"revision", std::to_string(revision)}});
@@ -319,9 +315,9 @@ asio::awaitable<db::TransferRow> Distributor::cancel(Actor actor, std::int64_t t
   demand(actor, Action::cancel_transfer);
   const auto impl = impl_;
   const auto row = co_await find(transfer);
-  if (!row) throw db::Refusal("not_found", subject(transfer));
+  if (!row) throw db::Refusal("not_found", access::subject("transfer", transfer));
   if (is_over(row->state)) throw db::Refusal("transfer_over", row->state);
-  const auto note = [=](db::Database& db) { record(db, actor, "transfer.cancel", subject(transfer)); };
+  const auto note = [=](db::Database& db) { record(db, actor, "transfer.cancel", access::subject("transfer", transfer)); };
   co_await impl->store.run(note);
   db::TransferRow copy = *row;
   if (const db::TransferRow* now = impl->find_open(transfer)) copy = *now;

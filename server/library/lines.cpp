@@ -10,7 +10,6 @@ namespace {
 constexpr std::int64_t kStep = 1'024;    // lines between two entries of the index
 constexpr std::size_t kRemembered = 16;  // indexes kept
 constexpr std::size_t kChunk = 1u << 18;
-constexpr std::size_t kLongestShown = 4'096;      // bytes of one line
 constexpr std::size_t kLongestWindow = 1u << 20;  // bytes of one window
 constexpr std::int64_t kMostLines = 2'000;
 

@@ -2,6 +2,7 @@
 // last few texts. Memory is bounded: 8 bytes per 1,024 lines, windows of at most 2,000 lines and 1 MiB.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <list>
 #include <memory>
@@ -13,6 +14,9 @@
 #include "db/blobs.hpp"
 
 namespace headstock::library {
+
+/// Bytes of a line that a page gets to see.
+constexpr std::size_t kLongestShown = 4'096;
 
 struct LineText {
   std::int64_t number = 0;  ///< from 1

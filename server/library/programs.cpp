@@ -15,10 +15,6 @@ using access::record;
 
 constexpr std::size_t kDeepestFolder = 16;
 
-std::string subject(std::int64_t program) {
-  return std::string("program:").append(std::to_string(program));
-}
-
 std::string full_name(const db::ProgramRow& program) {
   return program.folder == "/" ? "/" + program.name : program.folder + "/" + program.name;
 }
@@ -87,14 +83,14 @@ void demand_good_name(const std::string& name) {
 
 db::ProgramRow require_program(db::Database& db, std::int64_t program) {
   auto row = db::program(db, program);
-  if (!row) throw db::Refusal("not_found", subject(program));
+  if (!row) throw db::Refusal("not_found", access::subject("program", program));
   return *row;
 }
 
 db::RevisionRow require_revision(db::Database& db, std::int64_t program, std::int64_t revision) {
   require_program(db, program);
   auto row = db::revision(db, program, revision);
-  if (!row) throw db::Refusal("not_found", subject(program) + "/" + std::to_string(revision));
+  if (!row) throw db::Refusal("not_found", access::subject("program", program) + "/" + std::to_string(revision));
   return *row;
 }
 
@@ -125,7 +121,7 @@ Added add_revision(db::Database& db, const Actor& actor, const Place& place, con
   revision.note = note;
   revision.origin = origin;
   db::insert_revision(db, revision);
-  record(db, actor, "program.upload", subject(id),
+  record(db, actor, "program.upload", access::subject("program", id),
          {{"name", place.name},
           {"folder", folder},
           {"revision", std::to_string(revision.number)},
@@ -150,7 +146,7 @@ db::ProgramRow move_program(db::Database& db, const Actor& actor, std::int64_t p
   db.execute("UPDATE programs SET folder_id = ?, name = ? WHERE id = ?",
              {db::ensure_folder(db, folder), to.name, program});
   const db::ProgramRow after = require_program(db, program);
-  record(db, actor, "program.move", subject(program),
+  record(db, actor, "program.move", access::subject("program", program),
          {{"from", full_name(before)}, {"to", full_name(after)}});
   transaction.commit();
   return after;
@@ -162,7 +158,7 @@ void remove_program(db::Database& db, const Actor& actor, std::int64_t program, 
   const db::ProgramRow row = require_program(db, program);
   if (row.released) throw db::Refusal("released", full_name(row));
   db.execute("UPDATE programs SET removed_ms = ? WHERE id = ?", {now_ms, program});
-  record(db, actor, "program.remove", subject(program), {{"name", full_name(row)}});
+  record(db, actor, "program.remove", access::subject("program", program), {{"name", full_name(row)}});
   transaction.commit();
 }
 
@@ -221,7 +217,7 @@ db::ReleaseRow release(db::Database& db, const Actor& actor, std::int64_t progra
   made.at_ms = now_ms;
   made.why = why;
   made.id = db::insert_release(db, made);
-  record(db, actor, "program.release", subject(program),
+  record(db, actor, "program.release", access::subject("program", program),
          {{"revision", std::to_string(revision)},
           {"sha256", row.blob.sha256},
           {"why", why},
@@ -238,9 +234,9 @@ void withdraw(db::Database& db, const Actor& actor, std::int64_t program, const 
   db::Transaction transaction(db);
   require_program(db, program);
   const auto current = db::current_release(db, program);
-  if (!current) throw db::Refusal("not_released", subject(program));
+  if (!current) throw db::Refusal("not_released", access::subject("program", program));
   db::withdraw_release(db, current->id, actor.user, why, now_ms);
-  record(db, actor, "program.withdraw", subject(program),
+  record(db, actor, "program.withdraw", access::subject("program", program),
          {{"revision", std::to_string(current->revision)}, {"why", why}});
   transaction.commit();
 }

@@ -19,7 +19,7 @@ using boost::asio::awaitable;
 
 constexpr std::int64_t kDayMs = 86'400'000;
 
-json seconds(std::int64_t ms) { return static_cast<double>(ms) / 1000; }
+json as_seconds(std::int64_t ms) { return static_cast<double>(ms) / 1000; }
 json maybe(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
 
 /// `from` and `to` of the query; the last day unless told.
@@ -126,8 +126,8 @@ json to_json(const fleet::OeeRow& row) {
   const auto& figures = row.figures;
   json states = json::object(), reasons = json::array();
   for (std::size_t i = 0; i < fleet::kStates.size(); ++i)
-    states[std::string(fleet::kStates[i])] = seconds(figures.in_state_ms[i]);
-  for (const auto& [reason, ms] : figures.by_reason_ms) reasons.push_back({{"reason", reason}, {"s", seconds(ms)}});
+    states[std::string(fleet::kStates[i])] = as_seconds(figures.in_state_ms[i]);
+  for (const auto& [reason, ms] : figures.by_reason_ms) reasons.push_back({{"reason", reason}, {"s", as_seconds(ms)}});
   return {{"machine", row.machine},
           {"from", time_json(row.span.from_ms)},
           {"to", time_json(row.span.to_ms)},
@@ -137,11 +137,11 @@ json to_json(const fleet::OeeRow& row) {
           {"performance", maybe(figures.performance())},
           {"quality", maybe(figures.quality())},
           {"oee", maybe(figures.oee())},
-          {"scheduled_s", seconds(figures.scheduled_ms)},
-          {"planned_s", seconds(figures.planned_ms())},
-          {"planned_stop_s", seconds(figures.planned_stop_ms)},
-          {"unknown_s", seconds(figures.unknown_ms())},
-          {"unexplained_s", seconds(figures.unexplained_ms)},
+          {"scheduled_s", as_seconds(figures.scheduled_ms)},
+          {"planned_s", as_seconds(figures.planned_ms())},
+          {"planned_stop_s", as_seconds(figures.planned_stop_ms)},
+          {"unknown_s", as_seconds(figures.unknown_ms())},
+          {"unexplained_s", as_seconds(figures.unexplained_ms)},
           {"states", std::move(states)},
           {"reasons", std::move(reasons)},
           {"parts", figures.parts},
@@ -154,7 +154,7 @@ json to_json(const fleet::AlarmFigures& alarm) {
   return {{"code", alarm.code},
           {"text", {{"en", alarm.text_en}, {"zh", alarm.text_zh}}},
           {"count", alarm.count},
-          {"active_s", seconds(alarm.active_ms)},
+          {"active_s", as_seconds(alarm.active_ms)},
           {"machines", alarm.machines},
           {"last", time_json(alarm.last_ms)}};
 }

@@ -59,13 +59,13 @@ json to_json(const db::NoticeRow& notice) {
 }
 
 template <class Rows>
-json items_of(const Rows& rows) {
+json alarm_items(const Rows& rows) {
   json items = json::array();
   for (const auto& row : rows) items.push_back(to_json(row));
   return items;
 }
 
-std::int64_t number(const Call& call, const char* name, std::int64_t fallback) {
+std::int64_t rule_number(const Call& call, const char* name, std::int64_t fallback) {
   const auto found = call.body.find(name);
   if (found == call.body.end() || found->is_null()) return fallback;
   return call.body_number(name);
@@ -75,16 +75,16 @@ db::AlarmRuleRow rule_of(const Call& call, std::int64_t id) {
   db::AlarmRuleRow rule;
   rule.id = id;
   rule.name = call.body_text("name");
-  rule.machine = number(call, "machine", 0);
-  rule.group = number(call, "group", 0);
+  rule.machine = rule_number(call, "machine", 0);
+  rule.group = rule_number(call, "group", 0);
   rule.code = call.body_text("code", "");
-  rule.after_s = number(call, "after_s", 0);
+  rule.after_s = rule_number(call, "after_s", 0);
   rule.email = call.body_text("email", "");
   rule.webhook = call.body_text("webhook", "");
-  rule.escalate_after_s = number(call, "escalate_after_s", 0);
+  rule.escalate_after_s = rule_number(call, "escalate_after_s", 0);
   rule.escalate_email = call.body_text("escalate_email", "");
   rule.escalate_webhook = call.body_text("escalate_webhook", "");
-  rule.again_after_s = number(call, "again_after_s", 300);
+  rule.again_after_s = rule_number(call, "again_after_s", 300);
   const auto enabled = call.body.find("enabled");
   if (enabled != call.body.end() && !enabled->is_boolean()) throw Refused("bad_request", "enabled");
   rule.enabled = enabled == call.body.end() || enabled->get<bool>();
@@ -101,12 +101,12 @@ json to_json(const integrations::MessageSettings& settings) {
           {"link", settings.link}};
 }
 
-void rules(Services& s, std::vector<Route>& routes) {
+void rule_routes(Services& s, std::vector<Route>& routes) {
   const Need need = needs(Action::edit_alarm_rules);
   routes.push_back({.method = Method::get, .pattern = "/alarm-rules", .role = Role::viewer, .summary = "Who is told of which alarms",
                     .response = "AlarmRules", .handler = [&s](Call&) -> awaitable<Reply> {
                       const auto rows = co_await s.store.run([](db::Database& db) { return db::alarm_rules(db); });
-                      co_return json_reply({{"items", items_of(rows)}, {"next", nullptr}});
+                      co_return json_reply({{"items", alarm_items(rows)}, {"next", nullptr}});
                     }});
   const auto put = [&s](Call& call, std::int64_t id, unsigned status) -> awaitable<Reply> {
     auto rule = rule_of(call, id);
@@ -130,7 +130,7 @@ void rules(Services& s, std::vector<Route>& routes) {
                     }});
 }
 
-void events(Services& s, std::vector<Route>& routes) {
+void alarm_event_routes(Services& s, std::vector<Route>& routes) {
   routes.push_back({.method = Method::get, .pattern = "/alarm-events", .role = Role::viewer,
                     .summary = "Events of the rules, newest first: an alarm that stays or comes back soon is one",
                     .response = "AlarmEvents",
@@ -141,14 +141,14 @@ void events(Services& s, std::vector<Route>& routes) {
                       filter.machine = call.number("machine", 0);
                       const auto page = page_of(call);
                       const auto list = co_await s.store.run([&](db::Database& db) { return db::alarm_events(db, filter, page); });
-                      co_return json_reply({{"items", items_of(list.items)}, {"next", list.next ? json(std::to_string(*list.next)) : json(nullptr)}});
+                      co_return json_reply({{"items", alarm_items(list.items)}, {"next", list.next ? json(std::to_string(*list.next)) : json(nullptr)}});
                     }});
   routes.push_back({.method = Method::get, .pattern = "/alarm-events/{id}/notices", .role = Role::viewer,
                     .summary = "The messages of an event and what became of them", .response = "Notices",
                     .handler = [&s](Call& call) -> awaitable<Reply> {
                       const auto id = call.id("id");
                       const auto rows = co_await s.store.run([id](db::Database& db) { return db::notices_of(db, id); });
-                      co_return json_reply({{"items", items_of(rows)}, {"next", nullptr}});
+                      co_return json_reply({{"items", alarm_items(rows)}, {"next", nullptr}});
                     }});
   routes.push_back({.method = Method::post, .pattern = "/alarm-events/{id}/acknowledge", .role = needs(Action::acknowledge_alarm),
                     .summary = "Somebody takes care of it: no escalation", .takes = Takes::json, .request = "Acknowledgement",
@@ -165,7 +165,7 @@ void events(Services& s, std::vector<Route>& routes) {
                     }});
 }
 
-void settings(Services& s, std::vector<Route>& routes) {
+void message_routes(Services& s, std::vector<Route>& routes) {
   const Need need = needs(Action::change_settings);
   routes.push_back({.method = Method::get, .pattern = "/settings/messages", .role = need,
                     .summary = "Mail server and webhook secret (passwords are never shown)", .response = "MessageSettings",
@@ -206,9 +206,9 @@ void settings(Services& s, std::vector<Route>& routes) {
 
 std::vector<Route> alarm_rule_routes(Services& s) {
   std::vector<Route> routes;
-  rules(s, routes);
-  events(s, routes);
-  settings(s, routes);
+  rule_routes(s, routes);
+  alarm_event_routes(s, routes);
+  message_routes(s, routes);
   return routes;
 }
 

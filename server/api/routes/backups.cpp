@@ -61,7 +61,7 @@ struct Brought {
   int descriptor = -1;
 };
 
-awaitable<db::BackupRow> receive(Services& s, Call& call) {
+awaitable<db::BackupRow> receive_backup(Services& s, Call& call) {
   Brought brought(s.backups.folder());
   std::vector<char> piece(512 * 1024);
   while (const auto got = co_await call.upload->read(piece.data(), piece.size())) {
@@ -71,7 +71,7 @@ awaitable<db::BackupRow> receive(Services& s, Call& call) {
   co_return co_await s.backups.keep(actor_of(call), brought.path);
 }
 
-void making(Services& s, std::vector<Route>& routes) {
+void making_backups(Services& s, std::vector<Route>& routes) {
   const Need need = needs(Action::manage_backups);
   routes.push_back({.method = Method::get, .pattern = "/backups", .role = needs(Action::backup_machine), .summary = "Backups that are kept, newest first",
                     .response = "Backups", .handler = [&s](Call&) -> awaitable<Reply> {
@@ -90,7 +90,7 @@ void making(Services& s, std::vector<Route>& routes) {
                     .summary = "Bring a backup file; it is checked whole before it is kept", .takes = Takes::bytes,
                     .response = "Backup", .status = 201, .errors = {"damaged_backup", "not_a_backup", "newer_backup", "too_large"},
                     .handler = [&s](Call& call) -> awaitable<Reply> {
-                      const auto row = co_await receive(s, call);
+                      const auto row = co_await receive_backup(s, call);
                       co_return json_reply(to_json(row), 201);
                     }});
   routes.push_back({.method = Method::post, .pattern = "/machines/{id}/backup", .role = needs(Action::backup_machine),
@@ -101,7 +101,7 @@ void making(Services& s, std::vector<Route>& routes) {
                     }});
 }
 
-void using_them(Services& s, std::vector<Route>& routes) {
+void using_backups(Services& s, std::vector<Route>& routes) {
   const Need need = needs(Action::manage_backups);
   routes.push_back({.method = Method::get, .pattern = "/backups/{id}/file", .role = need,
                     .summary = "The file itself: it holds password hashes and keys, keep it safe", .response = "bytes",
@@ -139,7 +139,7 @@ void using_them(Services& s, std::vector<Route>& routes) {
                     }});
 }
 
-void retention(Services& s, std::vector<Route>& routes) {
+void keeping_settings(Services& s, std::vector<Route>& routes) {
   const auto shown = [](const backup::RetentionSettings& settings) {
     return json{{"events_days", settings.events_days},
                 {"states_days", settings.states_days},
@@ -183,9 +183,9 @@ void retention(Services& s, std::vector<Route>& routes) {
 
 std::vector<Route> backup_routes(Services& s) {
   std::vector<Route> routes;
-  making(s, routes);
-  using_them(s, routes);
-  retention(s, routes);
+  making_backups(s, routes);
+  using_backups(s, routes);
+  keeping_settings(s, routes);
   return routes;
 }
 

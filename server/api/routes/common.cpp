@@ -2,8 +2,11 @@
 #include <charconv>
 #include <chrono>
 
+#include <nlohmann/json.hpp>
+
 #include "protocol/wire/reasons.hpp"
 #include "server/api/routes/routes.hpp"
+#include "server/fleet/changes.hpp"
 
 namespace headstock::api {
 
@@ -42,6 +45,10 @@ db::Page page_of(const Call& call) {
   if (limit < 1 || limit > 1000) throw Refused("bad_request", "limit");
   page.limit = static_cast<int>(limit);
   return page;
+}
+
+void announce_program(Services& services, const char* what, std::int64_t program) {
+  services.changes.publish({"program", 0, std::make_shared<const nlohmann::json>(nlohmann::json{{"change", what}, {"id", program}})});
 }
 
 namespace {

@@ -38,7 +38,7 @@ json to_json(const db::ViewTokenRow& row) {
 }
 
 template <class Row>
-json items_of(const std::vector<Row>& rows) {
+json people_list(const std::vector<Row>& rows) {
   json items = json::array();
   for (const Row& row : rows) items.push_back(to_json(row));
   return {{"items", std::move(items)}, {"next", nullptr}};
@@ -122,7 +122,7 @@ void grant_routes(Services& s, std::vector<Route>& routes) {
                     .handler = [&s](Call& call) -> awaitable<Reply> {
                       const auto id = call.id("id");
                       const auto rows = co_await s.store.run([id](db::Database& db) { return db::grants(db, id); });
-                      co_return json_reply(items_of(rows));
+                      co_return json_reply(people_list(rows));
                     }});
   routes.push_back(
       {.method = Method::patch, .pattern = "/users/{id}/grants", .role = need,
@@ -136,7 +136,7 @@ void grant_routes(Services& s, std::vector<Route>& routes) {
            access::set_grants(db, actor, id, grants);
            return db::grants(db, id);
          });
-         co_return json_reply(items_of(rows));
+         co_return json_reply(people_list(rows));
        }});
 }
 
@@ -146,7 +146,7 @@ void group_routes(Services& s, std::vector<Route>& routes) {
                     .summary = "Groups of machines", .response = "MachineGroups",
                     .handler = [&s](Call&) -> awaitable<Reply> {
                       const auto rows = co_await s.store.run([](db::Database& db) { return db::machine_groups(db); });
-                      co_return json_reply(items_of(rows));
+                      co_return json_reply(people_list(rows));
                     }});
   const auto put = [&s](Call& call, std::int64_t id, unsigned status) -> awaitable<Reply> {
     auto group = group_of(call, id);
@@ -178,7 +178,7 @@ void screen_routes(Services& s, std::vector<Route>& routes) {
                     .summary = "Secrets of screens that only look", .response = "ViewTokens",
                     .handler = [&s](Call&) -> awaitable<Reply> {
                       const auto rows = co_await s.store.run([](db::Database& db) { return db::view_tokens(db); });
-                      co_return json_reply(items_of(rows));
+                      co_return json_reply(people_list(rows));
                     }});
   routes.push_back({.method = Method::post, .pattern = "/view-tokens", .role = need,
                     .summary = "A new one; the secret is in this answer only", .takes = Takes::json,

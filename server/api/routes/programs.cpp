@@ -15,10 +15,6 @@ namespace {
 using boost::asio::awaitable;
 using access::Action;
 
-void announce(Services& s, const char* what, std::int64_t program) {
-  s.changes.publish({"program", 0, std::make_shared<const json>(json{{"change", what}, {"id", program}})});
-}
-
 /// Streams the body into the store: a worker writes and hashes a piece while nothing but that piece is in memory.
 awaitable<db::BlobRow> receive(Services& s, Body& body) {
   auto upload = co_await s.workers.run([&s] { return std::make_unique<library::Upload>(s.blobs); });
@@ -72,7 +68,7 @@ std::vector<Route> folder_routes(Services& s) {
                       const auto path = library::clean_folder(call.body_text("path"));
                       co_await s.store.run(
                           [&](db::Database& db) { library::create_folder(db, actor, path, db::now_ms()); });
-                      announce(s, "folder", 0);
+                      announce_program(s, "folder", 0);
                       co_return json_reply({{"path", path}}, 201);
                     }});
   routes.push_back({.method = Method::del, .pattern = "/folders", .role = needs(Action::arrange_programs),
@@ -83,7 +79,7 @@ std::vector<Route> folder_routes(Services& s) {
                       const auto path = library::clean_folder(call.text("path"));
                       co_await s.store.run(
                           [&](db::Database& db) { library::remove_folder(db, actor, path, db::now_ms()); });
-                      announce(s, "folder", 0);
+                      announce_program(s, "folder", 0);
                       co_return empty_reply();
                     }});
   return routes;
@@ -126,7 +122,7 @@ std::vector<Route> program_routes(Services& s) {
          const auto added = co_await s.store.run([&](db::Database& db) {
            return library::add_revision(db, actor, place, blob, note, "upload", db::now_ms());
          });
-         if (added.created) announce(s, "revision", added.program.id);
+         if (added.created) announce_program(s, "revision", added.program.id);
          co_return json_reply(added_json(added));
        }});
   routes.push_back({.method = Method::get, .pattern = "/programs/{id}", .role = Role::viewer,
@@ -151,7 +147,7 @@ std::vector<Route> program_routes(Services& s) {
                         return library::move_program(db, actor, id, to, db::now_ms());
                       });
                       co_await s.fleet.refresh();
-                      announce(s, "moved", id);
+                      announce_program(s, "moved", id);
                       co_return json_reply(to_json(row));
                     }});
   routes.push_back({.method = Method::del, .pattern = "/programs/{id}", .role = needs(Action::arrange_programs),
@@ -162,7 +158,7 @@ std::vector<Route> program_routes(Services& s) {
                       co_await s.store.run(
                           [&](db::Database& db) { library::remove_program(db, actor, id, db::now_ms()); });
                       co_await s.fleet.refresh();
-                      announce(s, "removed", id);
+                      announce_program(s, "removed", id);
                       co_return empty_reply();
                     }});
   routes.push_back({.method = Method::get, .pattern = "/programs/{id}/revisions", .role = Role::viewer,

@@ -22,10 +22,6 @@ using access::Action;
 /// Two texts are compared in memory; what is larger is not compared.
 constexpr std::int64_t comparable_bytes = 64 << 20;
 
-void announce(Services& s, const char* what, std::int64_t program) {
-  s.changes.publish({"program", 0, std::make_shared<const json>(json{{"change", what}, {"id", program}})});
-}
-
 awaitable<db::RevisionRow> require(Services& s, const Call& call) {
   const auto program = call.id("id"), number = call.id("n");
   co_return co_await s.store.run(
@@ -262,7 +258,7 @@ std::vector<Route> deciding(Services& s) {
            return library::require_program(db, id);
          });
          co_await s.fleet.refresh();
-         announce(s, "released", id);
+         announce_program(s, "released", id);
          co_return json_reply(to_json(row));
        }});
   routes.push_back({.method = Method::del, .pattern = "/programs/{id}/release",
@@ -277,7 +273,7 @@ std::vector<Route> deciding(Services& s) {
                         return library::require_program(db, id);
                       });
                       co_await s.fleet.refresh();
-                      announce(s, "withdrawn", id);
+                      announce_program(s, "withdrawn", id);
                       co_return json_reply(to_json(row));
                     }});
   routes.push_back({.method = Method::get, .pattern = "/jobs/{id}", .role = Role::viewer,

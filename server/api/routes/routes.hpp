@@ -44,6 +44,9 @@ std::optional<std::int64_t> time_of(const Call& call, const std::string& name);
 /// @return nothing when malformed.
 std::optional<std::int64_t> parse_time(const std::string& text);
 
+/// Tells the pages that a program changed: "created", "moved", …
+void announce_program(Services& services, const char* what, std::int64_t program);
+
 /// 409 `{accepted:false,reason,error}`.
 Reply machine_refusal(const std::string& reason);
 

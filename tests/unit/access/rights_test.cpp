@@ -17,7 +17,7 @@
 namespace headstock::access {
 namespace {
 
-std::string refusal_of(const std::function<void()>& action) {
+std::string refused_with(const std::function<void()>& action) {
   try {
     action();
   } catch (const db::Refusal& refusal) {
@@ -102,9 +102,9 @@ TEST_F(RightsTest, ServicesAskForEveryMachineOfTheCall) {
   Actor actor{user, "li", Role::operator_, "", rights(), {machines[0]}};
   EXPECT_NO_THROW(demand(actor, Action::edit_offsets));
   actor.machines = {machines[0], machines[1]};
-  EXPECT_EQ(refusal_of([&] { demand(actor, Action::edit_offsets); }), "forbidden");
+  EXPECT_EQ(refused_with([&] { demand(actor, Action::edit_offsets); }), "forbidden");
   actor.machines.clear();
-  EXPECT_EQ(refusal_of([&] { demand(actor, Action::edit_offsets); }), "forbidden");
+  EXPECT_EQ(refused_with([&] { demand(actor, Action::edit_offsets); }), "forbidden");
 }
 
 TEST_F(RightsTest, NonsenseIsRefusedAndNothingKept) {
@@ -113,21 +113,21 @@ TEST_F(RightsTest, NonsenseIsRefusedAndNothingKept) {
                                   {0, user, 0, 0, "king", "", true}, {0, user, 0, 0, "", "fly", true},
                                   {0, user, 0, 0, "", "", true}, {0, user, 0, 0, "setter", "edit_offsets", true},
                                   {0, user, 0, 0, "setter", "", false}})
-    EXPECT_NE(refusal_of([&] { grant({bad}); }), "");
+    EXPECT_NE(refused_with([&] { grant({bad}); }), "");
   EXPECT_TRUE(rights()->may(Action::edit_offsets, machines[0]));
 }
 
 TEST_F(RightsTest, SomebodyMustBeLeftWhoManagesUsers) {
   user = add("boss", Role::administrator);
-  EXPECT_EQ(refusal_of([&] { grant({{0, user, 0, 0, "", "manage_users", false}}); }), "last_administrator");
+  EXPECT_EQ(refused_with([&] { grant({{0, user, 0, 0, "", "manage_users", false}}); }), "last_administrator");
   add("second", Role::administrator);
   EXPECT_NO_THROW(grant({{0, user, 0, 0, "", "manage_users", false}}));
 }
 
 TEST_F(RightsTest, OnlyWhoManagesUsersGrants) {
   const Actor li{user, "li", Role::operator_, "", rights(), {}};
-  EXPECT_EQ(refusal_of([&] { set_grants(*db, li, user, {}); }), "forbidden");
-  EXPECT_EQ(refusal_of([&] { put_group(*db, li, {0, "x", {}}); }), "forbidden");
+  EXPECT_EQ(refused_with([&] { set_grants(*db, li, user, {}); }), "forbidden");
+  EXPECT_EQ(refused_with([&] { put_group(*db, li, {0, "x", {}}); }), "forbidden");
 }
 
 TEST_F(RightsTest, AScreensSecretIsShownOnceExpiresAndIsRevoked) {
@@ -139,7 +139,7 @@ TEST_F(RightsTest, AScreensSecretIsShownOnceExpiresAndIsRevoked) {
   EXPECT_FALSE(db->integer("SELECT 1 FROM view_tokens WHERE token_sha256 = ?", {made.token})) << "only its hash is kept";
   revoke_view_token(*db, Actor{}, made.id, 2'000);
   EXPECT_FALSE(find_view_token(*db, made.token, 2'001));
-  EXPECT_EQ(refusal_of([&] { revoke_view_token(*db, Actor{}, made.id, 2'000); }), "not_found");
+  EXPECT_EQ(refused_with([&] { revoke_view_token(*db, Actor{}, made.id, 2'000); }), "not_found");
 }
 
 TEST_F(RightsTest, SessionsEndUnusedWhenTheShopSaysSo) {
@@ -149,18 +149,18 @@ TEST_F(RightsTest, SessionsEndUnusedWhenTheShopSaysSo) {
   EXPECT_TRUE(find_session(*db, session.token, 9 * 60'000));
   EXPECT_TRUE(find_session(*db, session.token, 18 * 60'000)) << "used at minute 9";
   EXPECT_FALSE(find_session(*db, session.token, 28 * 60'000));
-  EXPECT_EQ(refusal_of([&] { set_policy(*db, Actor{}, {0, 0, 8}); }), "bad_value");
-  EXPECT_EQ(refusal_of([&] { set_policy(*db, Actor{}, {1, 1, 8}); }), "bad_value");
+  EXPECT_EQ(refused_with([&] { set_policy(*db, Actor{}, {0, 0, 8}); }), "bad_value");
+  EXPECT_EQ(refused_with([&] { set_policy(*db, Actor{}, {1, 1, 8}); }), "bad_value");
 }
 
 TEST_F(RightsTest, AnAddressThatGuessesIsLockedWhateverTheUser) {
   const SignInPolicy policy;
   for (int i = 0; i < policy.address_failures_before_lock - 1; ++i) count_address_failure(*db, "10.0.0.9", policy, 1'000);
-  EXPECT_EQ(refusal_of([&] { demand_patient_address(*db, "10.0.0.9", 1'000); }), "");
+  EXPECT_EQ(refused_with([&] { demand_patient_address(*db, "10.0.0.9", 1'000); }), "");
   count_address_failure(*db, "10.0.0.9", policy, 1'000);
-  EXPECT_EQ(refusal_of([&] { demand_patient_address(*db, "10.0.0.9", 1'000 + policy.lock_ms - 1); }), "locked_out");
-  EXPECT_EQ(refusal_of([&] { demand_patient_address(*db, "10.0.0.9", 1'000 + policy.lock_ms); }), "");
-  EXPECT_EQ(refusal_of([&] { demand_patient_address(*db, "10.0.0.8", 1'000); }), "");
+  EXPECT_EQ(refused_with([&] { demand_patient_address(*db, "10.0.0.9", 1'000 + policy.lock_ms - 1); }), "locked_out");
+  EXPECT_EQ(refused_with([&] { demand_patient_address(*db, "10.0.0.9", 1'000 + policy.lock_ms); }), "");
+  EXPECT_EQ(refused_with([&] { demand_patient_address(*db, "10.0.0.8", 1'000); }), "");
   // A quarter of an hour without a failure, and it is forgotten.
   count_address_failure(*db, "10.0.0.9", policy, 2'000'000);
   EXPECT_EQ(db::failing_address(*db, "10.0.0.9")->failures, 1);
@@ -168,7 +168,7 @@ TEST_F(RightsTest, AnAddressThatGuessesIsLockedWhateverTheUser) {
 
 TEST(Passwords, WhatIsTooEasy) {
   const auto of = [](const char* password, const char* user, std::int64_t least) {
-    return refusal_of([&] { demand_good_password(password, user, least); });
+    return refused_with([&] { demand_good_password(password, user, least); });
   };
   EXPECT_EQ(of("a fine one", "li", 8), "");
   EXPECT_EQ(of("a fine one", "li", 12), "weak_password");
