@@ -228,6 +228,11 @@ class Shop:
                 self.changed = True
         return self
 
+    def start_server_only(self):
+        """Of a shop that has its people already: nobody is signed in."""
+        self.start_server(wait=False)
+        eventually(lambda: self.server.running() and self.admin.call("GET", "/health"), "server answers")
+
     def administrator(self):
         """User and password that hold now."""
         return ("admin", ADMIN_PASSWORD) if self.changed else self.first_sign_in()
