@@ -5,6 +5,9 @@
 namespace headstock::db {
 namespace {
 
+/// No retry is so far away: the clock was set back, and nothing may wait for it to come round again.
+constexpr std::int64_t kFarMs = 24 * 3'600'000;
+
 Value id_or_null(std::int64_t id) {
   return id != 0 ? Value(id) : Value();
 }
@@ -184,8 +187,9 @@ std::int64_t insert_notice(Database& db, const NoticeRow& notice) {
 }
 
 std::vector<NoticeRow> notices_due(Database& db, std::int64_t now_ms, int at_most) {
-  return notices_where(db, "WHERE state = 'waiting' AND next_ms <= ? ORDER BY next_ms, id LIMIT " + std::to_string(at_most),
-                       {now_ms});
+  return notices_where(db, "WHERE state = 'waiting' AND (next_ms <= ? OR next_ms > ?) ORDER BY next_ms, id LIMIT " +
+                           std::to_string(at_most),
+                       {now_ms, now_ms + kFarMs});
 }
 
 std::vector<NoticeRow> notices_of(Database& db, std::int64_t event) {

@@ -18,6 +18,8 @@ constexpr RefusalText kTexts[] = {
     {"newer_backup", conflict, "The backup was made by a newer Headstock.", "该备份由更新版本的 Headstock 制作。"},
     {"other_profile", conflict, "The backup is of a machine with another controller.", "该备份来自另一种控制器的机床。"},
     {"backup_running", conflict, "A backup is being made.", "正在备份。"},
+    {"provider_failed", unauthenticated, "The sign-in provider could not be used.", "无法使用登录服务。"},
+    {"unknown_person", unauthenticated, "Nobody here belongs to this sign-in. Ask an administrator.", "此登录未对应任何用户，请联系管理员。"},
     {"in_use", conflict, "Something else still uses this.", "该项仍在被使用。"},
     {"common_password", invalid, "This password is too easy to guess.", "该密码过于简单，容易被猜到。"},
     {"forbidden", forbidden, "Your role may not do this.", "您的权限不允许此操作。"},

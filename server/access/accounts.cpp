@@ -65,7 +65,7 @@ asio::awaitable<db::UserRow> Accounts::checked(std::string user, std::string pas
   };
   const auto row = co_await store_.run(find);
   // Before the hash: somebody who guesses must not keep the workers busy.
-  if (row && row->locked_until_ms > now)
+  if (row && is_locked(row->locked_until_ms, now))
     throw db::Refusal("locked_out", seconds_left(row->locked_until_ms, now));
   if (password.size() > 1000) throw db::Refusal("wrong_sign_in");
   const std::string hash = row ? row->password : std::string();
@@ -89,7 +89,7 @@ asio::awaitable<Session> Accounts::sign_in(std::string user, std::string passwor
     auto current = db::user(db, row.id);
     if (!current || current->disabled || current->password != row.password)
       throw db::Refusal("wrong_sign_in");
-    if (current->locked_until_ms > now)
+    if (is_locked(current->locked_until_ms, now))
       throw db::Refusal("locked_out", seconds_left(current->locked_until_ms, now));
     current->failures = 0;
     current->locked_until_ms = 0;

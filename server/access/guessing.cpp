@@ -19,9 +19,13 @@ std::int64_t lock_time_ms(std::int64_t failures, int limit, const SignInPolicy& 
   return std::min(policy.lock_ms << doublings, kLongestLockMs);
 }
 
+bool is_locked(std::int64_t locked_until_ms, std::int64_t now_ms) {
+  return locked_until_ms > now_ms && locked_until_ms - now_ms <= kLongestLockMs;
+}
+
 void demand_patient_address(db::Database& db, const std::string& address, std::int64_t now_ms) {
   const auto row = db::failing_address(db, address);
-  if (row && row->locked_until_ms > now_ms)
+  if (row && is_locked(row->locked_until_ms, now_ms))
     throw db::Refusal("locked_out", std::to_string((row->locked_until_ms - now_ms + 999) / 1000));
 }
 

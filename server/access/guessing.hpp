@@ -14,6 +14,9 @@ void demand_patient_address(db::Database& db, const std::string& address, std::i
 /// One more wrong sign-in. Quarter of an hour without one forgets them.
 void count_address_failure(db::Database& db, const std::string& address, const SignInPolicy& policy, std::int64_t now_ms);
 
+/// Is it locked at `now_ms`? A lock longer than any that is made comes from a clock that was set back, and is none.
+bool is_locked(std::int64_t locked_until_ms, std::int64_t now_ms);
+
 /// The lock of the n-th failure beyond the limit: doubling, up to an hour.
 std::int64_t lock_time_ms(std::int64_t failures, int limit, const SignInPolicy& policy);
 

@@ -28,6 +28,7 @@ class Gateway;
 
 namespace headstock::integrations {
 class Notifier;
+class SignInProvider;
 }
 namespace headstock::backup {
 class Backups;
@@ -57,6 +58,7 @@ struct Services {
   Jobs& jobs;
   integrations::Notifier& notifier;
   backup::Backups& backups;
+  integrations::SignInProvider& provider;
   std::string version;
 };
 

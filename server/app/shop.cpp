@@ -31,6 +31,7 @@
 #include "server/backup/backups.hpp"
 #include "server/fleet/fleet.hpp"
 #include "server/integrations/notifier.hpp"
+#include "server/integrations/sign_in_provider.hpp"
 #include "server/library/checks.hpp"
 #include "server/library/distribution.hpp"
 #include "server/library/lines.hpp"
@@ -128,8 +129,9 @@ struct Shop::Impl {
         jobs(io),
         notifier(*store, messenger),
         backups(*store, keeper, *blobs, options.data, version()),
+        provider(*store, messenger),
         services{io,    *store,      workers, *blobs,  accounts, checks, lines,
-                 distributor, fleet, changes, gateway, dnc, jobs, notifier, backups, version()} {
+                 distributor, fleet, changes, gateway, dnc, jobs, notifier, backups, provider, version()} {
     fleet.set_distributor(&distributor);
     backups.set_restorer({.send = [this](access::Actor actor, std::int64_t program, std::int64_t revision, std::int64_t machine) {
                             return send_restored(std::move(actor), program, revision, machine);
@@ -177,6 +179,7 @@ struct Shop::Impl {
   db::Pool keeper{1};      ///< backups and retention take minutes
   integrations::Notifier notifier;
   backup::Backups backups;
+  integrations::SignInProvider provider;
   api::Services services;
   api::Router router;
   std::unique_ptr<asio::ssl::context> tls;

@@ -113,6 +113,11 @@ std::optional<std::int64_t> coarsen_states(db::Database& db, std::int64_t machin
   db::each_state(db, filter, [&](const db::StateRow& row) {
     if (row.to_ms.value_or(stop) > begin) rows.push_back(row);
   });
+  if (rows.size() <= 1) {  // one state over the whole time: nothing to gather
+    db::put_setting(db, key, std::to_string(stop));
+    transaction.commit();
+    return 0;
+  }
   std::map<std::int64_t, std::vector<Piece>> hours;  // by the hour's start
   std::map<std::int64_t, std::int64_t> starts;       // where the record of the hour begins: it may have a hole
   for (const db::StateRow& row : rows) {
@@ -147,9 +152,6 @@ std::optional<std::int64_t> coarsen_states(db::Database& db, std::int64_t machin
     if (row.from_ms >= begin && !open && to <= stop) {
       db.execute("DELETE FROM state_intervals WHERE id = ?", {row.id});
       ++before;
-    } else if (row.from_ms < begin && (open || to > stop)) {
-      // One state over the whole time: nothing to gather.
-      made.clear();
     } else if (row.from_ms < begin) {
       db.execute("UPDATE state_intervals SET to_ms = ? WHERE id = ?", {begin, row.id});
     } else {

@@ -65,7 +65,8 @@ enum class Verdict { tell, never, wait };
 /// An alarm that must stay for a while is decided when it has stayed or is gone.
 Verdict verdict_of(const db::AlarmRuleRow& rule, const db::AlarmRow& alarm, std::int64_t now_ms) {
   const std::int64_t after_ms = rule.after_s * 1000;
-  if (after_ms == 0) return Verdict::tell;
+  // A machine whose clock is ahead: better told too early than never.
+  if (after_ms == 0 || alarm.raised_ms > now_ms) return Verdict::tell;
   if (alarm.cleared_ms) return *alarm.cleared_ms - alarm.raised_ms >= after_ms ? Verdict::tell : Verdict::never;
   return now_ms - alarm.raised_ms >= after_ms ? Verdict::tell : Verdict::wait;
 }
@@ -116,7 +117,7 @@ int tell(db::Database& db, const db::AlarmRuleRow& rule, const db::AlarmRow& ala
   event.machine = alarm.machine;
   event.code = alarm.code;
   event.alarm = alarm.id;
-  event.first_ms = event.last_ms = alarm.raised_ms;
+  event.first_ms = event.last_ms = std::min(alarm.raised_ms, now_ms);
   const std::int64_t told = db::notices_since(db, rule.id, now_ms - kStormMs);
   event.id = db::insert_alarm_event(db, event);
   if (told >= kStormLimit) return 0;

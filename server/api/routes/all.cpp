@@ -10,6 +10,7 @@ void add_all_routes(Router& router, Services& services) {
   router.add(audit_routes(services));
   router.add(alarm_rule_routes(services));
   router.add(backup_routes(services));
+  router.add(provider_routes(services));
   router.add(machine_routes(services));
   router.add(history_routes(services));
   router.add(accounting_routes(services));

@@ -19,6 +19,7 @@ std::vector<Route> people_routes(Services& services);
 std::vector<Route> audit_routes(Services& services);
 std::vector<Route> alarm_rule_routes(Services& services);
 std::vector<Route> backup_routes(Services& services);
+std::vector<Route> provider_routes(Services& services);
 std::vector<Route> machine_routes(Services& services);
 std::vector<Route> program_routes(Services& services);
 std::vector<Route> revision_routes(Services& services);

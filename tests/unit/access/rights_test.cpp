@@ -166,6 +166,11 @@ TEST_F(RightsTest, AnAddressThatGuessesIsLockedWhateverTheUser) {
   EXPECT_EQ(db::failing_address(*db, "10.0.0.9")->failures, 1);
 }
 
+TEST(Guessing, AClockThatIsSetBackLocksNobodyForYears) {
+  EXPECT_TRUE(is_locked(1'000 + 60'000, 1'000));
+  EXPECT_FALSE(is_locked(365ll * 86'400'000, 1'000));
+}
+
 TEST(Passwords, WhatIsTooEasy) {
   const auto of = [](const char* password, const char* user, std::int64_t least) {
     return refused_with([&] { demand_good_password(password, user, least); });
