@@ -34,6 +34,7 @@ void Pipeline::clear() {
 
 void Pipeline::activate(const AxisVector& machine_position, const AxisVector& work_position) {
   if (!active_) {
+    touch_ = lift_block_ = false;  // said of a block before this one, when nothing was compensated
     position_ = passed_machine_ = machine_position;
     passed_work_ = work_position;
   }
