@@ -24,7 +24,7 @@ namespace {
 
 using nlohmann::json;
 
-enum class Takes { nothing, percent, on_off, number, mode, name, file, axis, axis_distance, axis_seconds, text, axes };
+enum class Takes { nothing, percent, on_off, number, mode, name, file, axis, axis_distance, axis_seconds, distance, text, axes };
 struct Verb {
   std::string_view word;
   std::string_view action;
@@ -59,6 +59,7 @@ constexpr Verb kVerbs[] = {
     {"jog-rapid", "jog", Takes::axis_seconds, "the same at the rapid rate"},
     {"step", "step", Takes::axis_distance, "X-0.1: moves X by so many mm or degrees"},
     {"reference", "reference", Takes::axis, "X: to its reference point"},
+    {"retrace", "retrace", Takes::distance, "back12.5 or on12.5: along the path of a held program (handle mode)"},
     {"mdi", "mdi", Takes::text, "\"G00 X10.\": the block that start carries out once"},
     {"tap-retract", "tap_retract", Takes::nothing, "pulls a tap out that was stopped in its hole"},
     {"required", "set_parts_required", Takes::number, "parts required"},
@@ -114,6 +115,14 @@ bool add_argument(const Verb& verb, const std::string& word, json& request) {
     case Takes::text:
       request["block"] = word;
       return true;
+    case Takes::distance: {
+      const bool back = word.starts_with("back");
+      if (!back && !word.starts_with("on")) return false;
+      const auto value = number(word.substr(back ? 4 : 2));
+      if (!value || *value < 0) return false;
+      request["distance"] = back ? -*value : *value;
+      return true;
+    }
     case Takes::axis_distance:
     case Takes::axis_seconds: {
       const bool plus = word.size() > 2 && word[1] == '+';

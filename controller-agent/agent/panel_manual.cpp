@@ -79,6 +79,11 @@ struct PanelManual::Impl {
     return block.empty() ? CommandResult{false, "bad_value"} : controller.enter_mdi(block + "\n");
   }
 
+  CommandResult retrace(const json& request) {
+    const auto way = number(request, "distance");
+    return way ? controller.retrace(*way) : CommandResult{false, "bad_value"};
+  }
+
   CommandResult axis_lock(const json& request) {
     std::uint32_t mask = 0;
     for (const char name : text(request, "axes")) {
@@ -105,11 +110,9 @@ std::optional<CommandResult> PanelManual::carry_out(const std::string& verb, con
     std::string_view word;
     CommandResult (Impl::*act)(const json&);
   };
-  static constexpr Verb verbs[] = {{"jog", &Impl::jog},
-                                   {"step", &Impl::step},
-                                   {"reference", &Impl::reference},
-                                   {"mdi", &Impl::mdi},
-                                   {"axis_lock", &Impl::axis_lock}};
+  static constexpr Verb verbs[] = {
+      {"jog", &Impl::jog}, {"step", &Impl::step},       {"reference", &Impl::reference},
+      {"mdi", &Impl::mdi}, {"retrace", &Impl::retrace}, {"axis_lock", &Impl::axis_lock}};
   for (const Verb& each : verbs)
     if (each.word == verb) return (impl_.get()->*each.act)(request);
   return std::nullopt;

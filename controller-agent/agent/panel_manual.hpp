@@ -25,6 +25,7 @@ class PanelManual {
   /// {"do":"jog","axis":"X","direction":1,"rapid":false}   again and again; direction 0: the button is let go
   /// {"do":"step","axis":"X","distance":0.1}               {"do":"reference","axis":"X"}
   /// {"do":"mdi","block":"G00 X10."}                        {"do":"axis_lock","axes":"Z"}   "" for none
+  /// {"do":"retrace","distance":-10}                        along the traced path, < 0 back
   /// @return nothing when the verb is none of these
   std::optional<operation::CommandResult> carry_out(const std::string& verb, const nlohmann::json& request);
 
