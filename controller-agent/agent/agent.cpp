@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "agent/dnc_input.hpp"
+#include "agent/panel_manual.hpp"
 #include "agent/panel_server.hpp"
 #include "link/live_json.hpp"
 #include "link/program_request.hpp"
@@ -72,6 +73,7 @@ Agent::Agent(AgentOptions options)
   controller_options.switches = options_.switches;
   controller_ = std::make_unique<operation::Controller>(machine_, read_data(*spool_, machine_),
                                                         std::move(controller_options));
+  desk_ = std::make_unique<DataDesk>(*controller_, *spool_);
   const SelectedProgram last = read_selected(*spool_);
   if (!last.name.empty() && select(last.name, operation::Origin::panel).accepted && selected_.sha256 != last.sha256) {
     spdlog::warn("the selected program {} is not the same as before the restart", last.name);
@@ -80,6 +82,7 @@ Agent::Agent(AgentOptions options)
     const operation::Live now = controller_->live();
     return now.program_name == name && now.state != operation::State::idle && now.state != operation::State::alarm;
   });
+  manual_ = std::make_unique<PanelManual>(io_, *controller_);
   panel_ = std::make_unique<PanelServer>(io_, folder_.panel_socket(),
                                          [this](const std::string& request) { return panel(request); });
   if (options_.dnc) {
@@ -140,7 +143,9 @@ operation::Live Agent::live() { return controller_->live(); }
 std::string Agent::selected_sha256() { return selected_.sha256; }
 
 operation::CommandResult Agent::command(const operation::Command& command, const std::string& user) {
-  const auto result = controller_->command(command);
+  operation::Command named = command;
+  named.user = user;
+  const auto result = controller_->command(named);
   spdlog::info("{} from {}: {}", link::action_name(command.action), user,
                result.accepted ? "accepted" : "refused, " + result.reason);
   return result;
@@ -192,6 +197,16 @@ operation::CommandResult Agent::switch_dnc(bool on) {
   return {true, ""};
 }
 
+void Agent::write_data(const json& request, std::function<void(json)> done) {
+  desk_->write(request, std::move(done));
+}
+json Agent::data_report() {
+  return desk_->report();
+}
+void Agent::events_committed() {
+  desk_->committed();
+}
+
 void Agent::link_up(const link::ServerSettings& settings) {
   spdlog::info("connected to the server as machine {}", settings.machine);
 }
@@ -214,6 +229,7 @@ std::string Agent::panel(const std::string& request) {
     json state = link::live_to_json(controller_->live(), selected_.sha256);
     state["machine_name"] = machine_.name;
     state["profile"] = machine_.profile;
+    state["parameter_write"] = desk_->parameter_write();
     if (link_) {
       const link::LinkStatus status = link_->status();
       state["link"] = {{"connected", status.connected}, {"detail", status.detail}, {"pending", status.events_pending}};
@@ -233,6 +249,21 @@ std::string Agent::panel(const std::string& request) {
     return state.dump();
   }
   if (verb == "select") return answer_json(select(text("name"), operation::Origin::panel)).dump();
+  if (verb == "set_value" || verb == "measured_value") {
+    const auto result = desk_->write_here(text("name"), verb == "set_value" ? "panel" : "measurement");
+    spdlog::info("{} at the panel: {}", text("name"), result.accepted ? "written" : "refused, " + result.reason);
+    return answer_json({result.accepted, result.reason}).dump();
+  }
+  if (verb == "get_value") {
+    const auto value = desk_->value_here(text("name"));
+    if (!value) return answer_json({false, "bad_place"}).dump();
+    return json{{"accepted", true}, {"reason", ""}, {"value", *value ? json(**value) : json(nullptr)}}.dump();
+  }
+  if (verb == "parameter_write") {
+    desk_->parameter_write(asked.value("value", json(0)) != json(0));
+    spdlog::warn("parameters may be written: {}", desk_->parameter_write());
+    return answer_json({true, {}}).dump();
+  }
   if (verb == "load") {
     const std::string file = text("file");
     std::ifstream in(file, std::ios::binary);
@@ -241,6 +272,11 @@ std::string Agent::panel(const std::string& request) {
     content << in.rdbuf();
     const auto put = memory_->put(std::filesystem::path(file).filename().string(), content.str());
     return answer_json({put.ok(), put.reason}).dump();
+  }
+  if (const auto by_hand = manual_->carry_out(verb, asked)) {
+    if (verb != "jog" || !by_hand->accepted)
+      spdlog::info("{} at the panel: {}", request, by_hand->accepted ? "accepted" : "refused, " + by_hand->reason);
+    return answer_json(*by_hand).dump();
   }
   if (verb == "request") {
     requested_ = text("name");

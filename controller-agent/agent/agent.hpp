@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "agent/data_desk.hpp"
 #include "agent/data_folder.hpp"
 #include "agent/dnc_settings.hpp"
 #include "agent/machine_clock.hpp"
@@ -22,6 +23,7 @@
 namespace headstock::agent {
 
 class DncInput;
+class PanelManual;
 class PanelServer;
 
 struct AgentOptions {
@@ -61,6 +63,9 @@ class Agent final : public link::LinkHost {
   operation::CommandResult open_stream(const std::string& name, const std::string& sha256,
                                        std::unique_ptr<program::Source> stream, std::uint64_t total_bytes) override;
   void request_answered(const std::string& name, const operation::CommandResult& answer) override;
+  void write_data(const nlohmann::json& request, std::function<void(nlohmann::json)> done) override;
+  nlohmann::json data_report() override;
+  void events_committed() override;
   void link_up(const link::ServerSettings& settings) override;
   void link_lost(const std::string& reason) override;
 
@@ -75,10 +80,12 @@ class Agent final : public link::LinkHost {
   std::unique_ptr<link::Spool> spool_;
   std::shared_ptr<link::ProgramMemory> memory_;
   std::unique_ptr<operation::Controller> controller_;
+  std::unique_ptr<DataDesk> desk_;
   std::unique_ptr<Storage> storage_;
   std::unique_ptr<MachineClock> clock_;
   std::unique_ptr<DncInput> dnc_;
   std::unique_ptr<link::Link> link_;
+  std::unique_ptr<PanelManual> manual_;
   std::unique_ptr<PanelServer> panel_;
   SelectedProgram selected_;
   std::string requested_;       ///< asked for at the panel, to be fed by the server

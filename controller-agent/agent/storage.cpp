@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <variant>
 #include <vector>
 
 #include "agent/retained.hpp"
@@ -13,7 +12,6 @@ namespace headstock::agent {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr std::size_t kAtOnce = 64;
 constexpr auto kRetry = 500ms;
 
 bool same_settings(const operation::Retained& a, const operation::Retained& b) {
@@ -53,17 +51,13 @@ void Storage::run(const std::stop_token& stop) {
 }
 
 bool Storage::commit_some() {
+  const operation::Taken taken = controller_.take_events();
+  const operation::Retained& now = taken.retained;
+  if (taken.events.empty() && same_settings(now, kept_)) return false;
   std::vector<link::NewEvent> events;
-  bool data_changed = false;
-  operation::TimedEvent event;
-  while (events.size() < kAtOnce && controller_.take_event(event)) {
-    data_changed |= std::holds_alternative<operation::OffsetChanged>(event.event);
-    events.push_back(link::to_new_event(event));
-  }
-  const operation::Retained now = controller_.retained();
-  if (events.empty() && same_settings(now, kept_)) return false;
+  for (const operation::TimedEvent& event : taken.events) events.push_back(link::to_new_event(event));
   std::vector<link::RetainedValue> retained{counters_value(now)};
-  if (data_changed) retained.push_back(data_value(controller_.data(), controller_.machine()));
+  if (taken.data) retained.push_back(data_value(*taken.data, controller_.machine()));
   while (true) {
     try {
       spool_.commit(events, retained);

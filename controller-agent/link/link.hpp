@@ -79,6 +79,13 @@ class LinkHost {
                                                std::uint64_t total_bytes) = 0;
   /// The server's answer to Link::request(); when it accepts, open_stream() comes with this program, before or after.
   virtual void request_answered(const std::string& name, const operation::CommandResult& answer) = 0;
+  /// Offsets, parameters and variables written from the server; `done` is called on this thread with the
+  /// data_result (protocol/wire/README.md, without its id) when it is on the disk and read back, or refused.
+  virtual void write_data(const nlohmann::json& request, std::function<void(nlohmann::json)> done);
+  /// The body of a data_report as it is on the disk; null: this host keeps no data.
+  virtual nlohmann::json data_report();
+  /// Events were committed to the spool.
+  virtual void events_committed() {}
   /// The connection stands.
   virtual void link_up(const ServerSettings& settings) = 0;
   /// The connection is lost: remote arming ends here.

@@ -91,6 +91,7 @@ asio::awaitable<bool> Session::run() {
   if (parts_->identity.trying_renewed()) parts_->identity.keep_renewed();
   parts_->requests.link_is_up();
   send_census();
+  report_data();
   for (const auto& [id, unconfirmed] : parts_->transfers.unconfirmed)
     connection_->send(Type::transfer_result, 0, wire::encode(unconfirmed));
   std::uint32_t resumed = kResumedStreams;
@@ -123,6 +124,7 @@ asio::awaitable<void> Session::report_loop() {
   while (active()) {
     const auto now = Clock::now();
     sample_trail();
+    report_data();
     if (now >= next_live) {
       send_live();
       next_live = now + std::max(options.live_interval, std::chrono::milliseconds(100));
@@ -150,10 +152,14 @@ void Session::handle(const wire::Frame& frame) {
         if (acknowledged_ < sent_event_)
           sent_event_ = acknowledged_;  // only a part was taken: the rest again
         pump_events();
+        report_data();
       });
       break;
     case Type::command:
       wire::expect<wire::Command>(*connection_, frame, [&](const auto& m) { on_command(m); });
+      break;
+    case Type::data_write:
+      on_data_write(frame);
       break;
     case Type::program_put:
       wire::expect<wire::TransferOpen>(*connection_, frame, [&](const auto& m) { on_put(stream, m); });
@@ -213,6 +219,7 @@ void Session::handle(const wire::Frame& frame) {
 // ---- events, census, live
 
 void Session::events_committed() {
+  parts_->host.events_committed();
   pump_events();
 }
 

@@ -94,6 +94,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void send_credit(wire::Type type, const OpenTransfers::Drip& drip, const DripFeed::Grant& grant);
   DripFeed* drip_of(std::uint32_t stream);
   void pump_events();
+  void on_data_write(const wire::Frame& frame);
+  void report_data();
   void send_census();
   void send_live();
   void sample_trail();
@@ -106,6 +108,8 @@ class Session : public std::enable_shared_from_this<Session> {
   bool welcomed_ = false;
   std::string refusal_;
   std::int64_t machine_ = 0;
+  std::chrono::steady_clock::time_point reported_{};
+  std::string reported_values_;  ///< hash of what was reported last on this connection
   std::uint64_t sent_event_ = 0, acknowledged_ = 0, pings_ = 0;
   std::map<std::uint32_t, Put> puts_;
   nlohmann::json trail_ = nlohmann::json::array();

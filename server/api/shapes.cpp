@@ -190,7 +190,12 @@ json to_json(const db::RunRow& row) {
           {"ended", time_json(row.ended_ms)},
           {"outcome", text_or_null(row.outcome)},
           {"run_s", number_or_null(row.run_s)},
-          {"cutting_s", number_or_null(row.cutting_s)}};
+          {"cutting_s", number_or_null(row.cutting_s)},
+          {"parts", row.total_start && row.total_end ? json(*row.total_end - *row.total_start) : json(nullptr)},
+          {"holds", row.holds ? json(*row.holds) : json(nullptr)},
+          {"alarms", row.alarms ? json(*row.alarms) : json(nullptr)},
+          {"overrides", row.overrides_json.empty() ? json(nullptr) : json::parse(row.overrides_json, nullptr, false)},
+          {"by", text_or_null(row.by)}};
 }
 
 json to_json(const db::StateRow& row) {

@@ -229,6 +229,16 @@ void AgentSession::handle(const wire::Frame& frame) {
       to_store_.notify();
       break;
     }
+    case Type::data_report: {
+      json report;
+      if (!json_body(frame, report)) break;
+      data_report_ = std::move(report);
+      to_store_.notify();
+      break;
+    }
+    case Type::data_result:
+      on_data_result(frame);
+      break;
     case Type::command_result:
       wire::expect<wire::CommandResult>(*connection_, frame, [&](const auto& m) {
         const auto found = answers_.find(m.id);
@@ -314,6 +324,10 @@ asio::awaitable<void> AgentSession::store_loop() {
         json programs = std::move(*census_);
         census_.reset();
         co_await owner_->host().census(machine_, std::move(programs));
+      } else if (data_report_) {
+        json report = std::move(*data_report_);
+        data_report_.reset();
+        co_await owner_->host().data_report(machine_, spool_id_, std::move(report));
       } else {
         co_await to_store_.wait();
       }
@@ -414,6 +428,10 @@ void AgentSession::give_up_answers() {
     if (!answer->done) answer->answer = {false, "link_lost"};
     answer->done = true;
     answer->arrived.notify();
+  }
+  for (auto& [id, writing] : writings_) {
+    if (!writing->result) writing->result = json{{"accepted", false}, {"reason", "link_lost"}};
+    writing->arrived.notify();
   }
   for (auto& [stream, reading] : readings_) {
     if (!reading->done) reading->program.reason = "link_lost";

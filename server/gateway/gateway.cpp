@@ -390,6 +390,12 @@ asio::awaitable<MachineAnswer> Gateway::delete_program(std::int64_t machine, std
   co_return co_await session->ask(Type::program_delete, std::move(command));
 }
 
+asio::awaitable<nlohmann::json> Gateway::write_data(std::int64_t machine, nlohmann::json write) {
+  const auto session = impl_->session_of(machine);
+  if (!session) co_return nlohmann::json{{"accepted", false}, {"reason", "not_connected"}};
+  co_return co_await session->write_data(std::move(write));
+}
+
 asio::awaitable<TransferState> Gateway::put(std::uint64_t transfer, std::int64_t machine, std::string name,
                                             std::string sha256, std::shared_ptr<BlobReader> content) {
   return impl_->put(transfer, machine, std::move(name), std::move(sha256), std::move(content));

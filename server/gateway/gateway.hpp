@@ -73,6 +73,9 @@ class GatewayHost {
   /// why not.
   virtual boost::asio::awaitable<MachineAnswer> program_requested(std::int64_t machine, std::string name) = 0;
   virtual void transfer_changed(const TransferState& state) = 0;
+  /// Offsets, tool life, parameters and variables as the machine has them on its disk: {sequence, version, values,
+  /// parameter_write}. Comes when every event up to `sequence` was acknowledged.
+  virtual boost::asio::awaitable<void> data_report(std::int64_t machine, std::string spool_id, nlohmann::json report);
 };
 
 struct GatewayOptions {
@@ -120,6 +123,10 @@ class Gateway {
                                                 std::string user);
   boost::asio::awaitable<MachineAnswer> select(std::int64_t machine, std::string name, std::string user);
   boost::asio::awaitable<MachineAnswer> delete_program(std::int64_t machine, std::string name);
+  /// Writes values into the machine's pages. @param write {request, origin, by, values:[{what, before, after}]}
+  /// @return the data_result (protocol/wire/README.md); without an answer {accepted:false, reason:"not_connected"
+  /// (nothing was sent), "timeout" or "link_lost"}.
+  boost::asio::awaitable<nlohmann::json> write_data(std::int64_t machine, nlohmann::json write);
   /// Sends a program into the machine's memory; progress through GatewayHost::transfer_changed.
   boost::asio::awaitable<TransferState> put(std::uint64_t transfer, std::int64_t machine, std::string name,
                                             std::string sha256, std::shared_ptr<BlobReader> content);
