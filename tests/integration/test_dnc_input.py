@@ -92,14 +92,14 @@ class DncInput(unittest.TestCase):
         machine.on()
         for turn, blocks in ((1, 1500), (2, 701)):
             text, place = zigzag(blocks)
-            sender = subprocess.Popen([program("headstock"), "dnc", "send", "--port", far, "--line", "115200-8-N-1-software",
-                                       "--protocol", "dc1-dc4", self.file(text)], stdout=subprocess.DEVNULL)
-            self.addCleanup(sender.wait)
-            self.addCleanup(sender.kill)
-            self.assertEqual(machine.status()["dnc"]["received"] if turn == 1 else 0, 0, "nothing before cycle start")
+            log = os.path.join(machine.folder, f"sender-{turn}.log")
+            sender = Process([program("headstock"), "dnc", "send", "--port", far, "--line", "115200-8-N-1-software",
+                              "--protocol", "dc1-dc4", self.file(text)], log)
+            self.addCleanup(sender.kill9)
+            eventually(lambda: "waiting" in sender.text(), "the sender waits to be asked")
             last = self.run_to_its_end(machine, place, turn)
             self.assertEqual(last["outcome"], "drained")
-            self.assertEqual(sender.wait(PATIENCE_S), 0)
+            self.assertEqual(sender.child.wait(PATIENCE_S), 0, sender.text())
 
     def test_socat_into_a_listening_port_with_the_handshake_of_tcp(self):
         port = free_port()
