@@ -396,7 +396,7 @@ asio::awaitable<void> Fleet::census(std::int64_t machine, json programs) {
         {"machine", machine, std::make_shared<const json>(json{{"id", machine}, {"changed", "programs"}})});
 }
 
-asio::awaitable<void> Fleet::data_report(std::int64_t machine, std::string spool_id, json report) {
+asio::awaitable<void> Fleet::data_report(std::int64_t machine, std::string spool_id, const json& report) {
   const std::weak_ptr<int> alive = impl_->life;
   std::int64_t differences = 0;
   const auto in_store = [&](db::Database& db) {

@@ -58,7 +58,7 @@ class Fleet : public server::GatewayHost {
   boost::asio::awaitable<void> census(std::int64_t machine, nlohmann::json programs) override;
   void transfer_changed(const server::TransferState& state) override;
   boost::asio::awaitable<void> data_report(std::int64_t machine, std::string spool_id,
-                                           nlohmann::json report) override;
+                                           const nlohmann::json& report) override;
 
   /// Tells who watches that values or requests of this machine have changed.
   void values_changed(std::int64_t machine);
