@@ -7,14 +7,19 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "agent/dnc_input.hpp"
+#include "agent/panel_manual.hpp"
 #include "agent/panel_server.hpp"
 #include "link/live_json.hpp"
+#include "link/program_request.hpp"
 #include "protocol/wire/reasons.hpp"
 
 namespace headstock::agent {
 namespace {
 
 using nlohmann::json;
+/// A server that does not answer any more does not keep a machine from being switched off.
+constexpr std::chrono::milliseconds kGoodByeWithin{1'000};
 
 std::unique_ptr<link::Spool> open_spool(const std::filesystem::path& file, bool set_aside_damaged) {
   try {
@@ -77,8 +82,19 @@ Agent::Agent(AgentOptions options)
     const operation::Live now = controller_->live();
     return now.program_name == name && now.state != operation::State::idle && now.state != operation::State::alarm;
   });
+  manual_ = std::make_unique<PanelManual>(io_, *controller_);
   panel_ = std::make_unique<PanelServer>(io_, folder_.panel_socket(),
                                          [this](const std::string& request) { return panel(request); });
+  if (options_.dnc) {
+    dnc_ = std::make_unique<DncInput>(
+        io_.get_executor(), *options_.dnc,
+        [this](std::unique_ptr<program::Source> stream, std::function<std::string()> why) {
+          const auto result = controller_->select_stream("DNC", {}, std::move(stream), 0, operation::Origin::panel,
+                                                         std::move(why));
+          if (result.accepted) selected_ = {};
+          return result;
+        });
+  }
   if (options_.host.empty()) return;
   link::LinkOptions link_options;
   link_options.host = options_.host;
@@ -107,6 +123,13 @@ void Agent::run() {
   controller_->command({operation::Action::reset, operation::Origin::panel});
   for (int waited_ms = 0; waited_ms < 5'000 && controller_->live().state == operation::State::running; ++waited_ms) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  if (dnc_) dnc_->switch_off();
+  if (link_ && link_->say_good_bye()) {
+    io_.restart();
+    const auto until = std::chrono::steady_clock::now() + kGoodByeWithin;
+    while (link_->connection_open() && std::chrono::steady_clock::now() < until)
+      io_.run_one_for(std::chrono::milliseconds(10));
   }
   if (link_) link_->stop();
   panel_.reset();
@@ -139,6 +162,7 @@ operation::CommandResult Agent::select(const std::string& name, operation::Origi
   if (!resident) return {false, "not_found"};
   const auto result = controller_->select(resident->name, resident->sha256, memory_, origin);
   if (result.accepted) {
+    if (dnc_) dnc_->switch_off();
     selected_ = {resident->name, resident->sha256};
     const link::RetainedValue value = selected_value(selected_);
     spool_->commit({}, {&value, 1});
@@ -148,10 +172,29 @@ operation::CommandResult Agent::select(const std::string& name, operation::Origi
 
 operation::CommandResult Agent::open_stream(const std::string& name, const std::string& sha256,
                                             std::unique_ptr<program::Source> stream, std::uint64_t total_bytes) {
-  const auto result =
-      controller_->select_stream(name, sha256, std::move(stream), total_bytes, operation::Origin::network);
-  if (result.accepted) selected_ = {name, sha256};
+  // What a person at this machine has asked for he has seen.
+  const auto origin = !requested_.empty() && link::same_program(requested_, name) ? operation::Origin::panel
+                                                                                  : operation::Origin::network;
+  const auto result = controller_->select_stream(name, sha256, std::move(stream), total_bytes, origin);
+  if (result.accepted) {
+    requested_.clear();
+    if (dnc_) dnc_->switch_off();
+    selected_ = {name, sha256};
+  }
   return result;
+}
+
+void Agent::request_answered(const std::string& name, const operation::CommandResult& answer) {
+  spdlog::info("the server was asked for {}: {}", name, answer.accepted ? "it comes" : answer.reason);
+  request_answer_ = answer.reason;
+  if (!answer.accepted) requested_.clear();
+}
+
+operation::CommandResult Agent::switch_dnc(bool on) {
+  if (!dnc_) return {false, "unsupported"};
+  if (on) return dnc_->switch_on();
+  dnc_->switch_off();
+  return {true, ""};
 }
 
 void Agent::write_data(const json& request, std::function<void(json)> done) {
@@ -170,6 +213,7 @@ void Agent::link_up(const link::ServerSettings& settings) {
 
 void Agent::link_lost(const std::string& reason) {
   controller_->link_lost();
+  requested_.clear();
   spdlog::warn("link to the server lost: {}; remote operation is no longer armed", reason);
 }
 
@@ -192,6 +236,13 @@ std::string Agent::panel(const std::string& request) {
     } else {
       state["link"] = nullptr;
     }
+    if (dnc_) {
+      const DncInput::Status now = dnc_->status();
+      state["dnc"] = {{"port", dnc_->settings().port}, {"state", name_of(now.state)}, {"open", now.open},
+                      {"reason", now.reason},          {"received", now.received},    {"buffered", now.buffered},
+                      {"last", {{"bytes", now.bytes}, {"sha256", now.sha256}, {"outcome", now.outcome}}}};
+    }
+    state["request"] = {{"name", requested_}, {"reason", request_answer_}};
     json resident = json::array();
     for (const auto& program : memory_->census()) resident.push_back({{"name", program.name}, {"bytes", program.bytes}});
     state["programs"] = std::move(resident);
@@ -221,6 +272,26 @@ std::string Agent::panel(const std::string& request) {
     content << in.rdbuf();
     const auto put = memory_->put(std::filesystem::path(file).filename().string(), content.str());
     return answer_json({put.ok(), put.reason}).dump();
+  }
+  if (const auto by_hand = manual_->carry_out(verb, asked)) {
+    if (verb != "jog" || !by_hand->accepted)
+      spdlog::info("{} at the panel: {}", request, by_hand->accepted ? "accepted" : "refused, " + by_hand->reason);
+    return answer_json(*by_hand).dump();
+  }
+  if (verb == "request") {
+    requested_ = text("name");
+    request_answer_.clear();
+    if (requested_.empty() || !link_ || !link_->request(requested_)) {
+      requested_.clear();
+      return answer_json({false, "not_connected"}).dump();
+    }
+    return answer_json({true, ""}).dump();
+  }
+  if (verb == "dnc_input") {
+    const bool on = asked.contains("value") && asked["value"].is_number() && asked["value"].get<double>() != 0;
+    const auto switched = switch_dnc(on);
+    spdlog::info("DNC input {} at the panel: {}", on ? "on" : "off", switched.accepted ? "done" : switched.reason);
+    return answer_json(switched).dump();
   }
   operation::Action action{};
   if (!link::action_from_name(verb, action)) return answer_json({false, "unknown_command"}).dump();

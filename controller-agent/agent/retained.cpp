@@ -85,9 +85,12 @@ link::RetainedValue data_value(interp::MachineData data, const machine::Machine&
   drop_empty_rows(data.tools);
   json variables = json::object();
   for (const auto& [number, value] : data.common_variables) variables[std::to_string(number)] = value;
+  json names = json::object();
+  for (const auto& [number, name] : data.variable_names) names[std::to_string(number)] = name;
   const json value = {{"offsets", json::parse(interp::offsets_to_json(data, axis_names(machine)))},
                       {"parameters", data.parameters},
                       {"variables", std::move(variables)},
+                      {"variable_names", std::move(names)},
                       {"version", data.version}};
   return {kData, value.dump()};
 }
@@ -113,6 +116,9 @@ interp::MachineData read_data(const link::Spool& spool, const machine::Machine& 
     const bool kept = number >= page.first_kept && number <= page.last_kept;
     if (kept || which == Variables::all) data.common_variables[number] = number_value.get<double>();
   }
+  const json names = value.value("variable_names", json::object());
+  for (const auto& [number, name] : names.items())
+    data.variable_names[static_cast<std::uint32_t>(std::stoul(number))] = name.get<std::string>();
   data.version = value.value("version", std::uint64_t{0});
   return with_rows(std::move(data));
 }

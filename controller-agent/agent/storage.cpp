@@ -12,7 +12,6 @@ namespace headstock::agent {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr auto kPoll = 2ms;
 constexpr auto kRetry = 500ms;
 
 bool same_settings(const operation::Retained& a, const operation::Retained& b) {
@@ -24,10 +23,16 @@ bool same_settings(const operation::Retained& a, const operation::Retained& b) {
 
 Storage::Storage(operation::Controller& controller, link::Spool& spool)
     : controller_(controller), spool_(spool), kept_(controller.retained()) {
+  controller_.on_event([this] {
+    const std::scoped_lock lock(mutex_);
+    something_ = true;
+    woken_.notify_one();
+  });
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
 Storage::~Storage() {
+  controller_.on_event({});
   thread_.request_stop();
   thread_.join();
 }
@@ -39,7 +44,9 @@ void Storage::run(const std::stop_token& stop) {
     while (commit_some()) {
     }
     if (last_look) return;
-    std::this_thread::sleep_for(kPoll);
+    std::unique_lock lock(mutex_);
+    woken_.wait(lock, stop, [this] { return something_; });
+    something_ = false;
   }
 }
 

@@ -38,6 +38,7 @@ struct MachineData {
   /// By the manual's number: "1401", "1401#1" for bits, "1241/X" for one axis; absent = default.
   std::map<std::string, double, std::less<>> parameters;
   std::map<std::uint32_t, double> common_variables;  ///< #100…#199, #500…#999; absent = null
+  std::map<std::uint32_t, std::string> variable_names;  ///< #500…#549, given by SETVN
   tools::LifeTable tool_life;                        ///< groups of tools that replace each other
   std::uint64_t version = 0;                         ///< grows with every change
 

@@ -30,10 +30,13 @@ constexpr const char* kActions[] = {"cycle_start",
                                     "set_dry_run",
                                     "set_machine_lock",
                                     "set_parts_required",
-                                    "reset_parts"};
+                                    "reset_parts",
+                                    "set_axis_lock",
+                                    "set_manual_absolute",
+                                    "tap_retract"};
 static_assert(std::size(kModes) == static_cast<std::size_t>(Mode::remote) + 1);
 static_assert(std::size(kStates) == static_cast<std::size_t>(State::emergency_stop) + 1);
-static_assert(std::size(kActions) == static_cast<std::size_t>(Action::reset_parts) + 1);
+static_assert(std::size(kActions) == static_cast<std::size_t>(Action::tap_retract) + 1);
 
 /// JSON has no infinity: what is not a number is unknown.
 json number(double value) {

@@ -14,6 +14,7 @@
 #include "link/identity.hpp"
 #include "link/link.hpp"
 #include "link/program_memory.hpp"
+#include "link/program_request.hpp"
 #include "link/spool.hpp"
 #include "protocol/wire/connection.hpp"
 #include "protocol/wire/messages.hpp"
@@ -40,7 +41,12 @@ struct LinkParts {
   OpenTransfers transfers;
   std::string boot_id;
   bool stopped = false;
+  bool leaving = false;  ///< said good-bye: no new connection
   std::function<void()> wake_drips;  ///< posts to the link's thread: some drip-feed has room or ended
+  std::function<void()> wake_requests;
+  ProgramRequests requests{[this] {
+    if (wake_requests) wake_requests();
+  }};
 };
 
 class Session : public std::enable_shared_from_this<Session> {
@@ -58,6 +64,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void events_committed();
   void memory_changed();
   void drips_changed();
+  void requests_changed();
 
  private:
   struct Put {
@@ -71,8 +78,6 @@ class Session : public std::enable_shared_from_this<Session> {
   boost::asio::awaitable<void> report_loop();
   boost::asio::awaitable<void> send_program(std::uint32_t stream, wire::ProgramGet request);
   void handle(const wire::Frame& frame);
-  template <class Message, class Handler>
-  void with(const wire::Frame& frame, Handler handler);
 
   void on_command(const wire::Command& command);
   void on_put(std::uint32_t stream, const wire::TransferOpen& open);

@@ -43,6 +43,8 @@ enum class Type : std::uint8_t {
   transfer_cancel = 48,
   drip_resume = 49,
   transfer_closed = 50,
+  program_request = 51,
+  request_answer = 52,
   data_report = 60,
   data_write = 61,
   data_result = 62

@@ -27,6 +27,14 @@ namespace headstock::server {
 class Gateway;
 }
 
+namespace headstock::integrations {
+class Notifier;
+class SignInProvider;
+}
+namespace headstock::backup {
+class Backups;
+}
+
 namespace headstock::dnc {
 class Dnc;
 }
@@ -50,6 +58,9 @@ struct Services {
   fleet::ValueDesk& values;
   dnc::Dnc& dnc;
   Jobs& jobs;
+  integrations::Notifier& notifier;
+  backup::Backups& backups;
+  integrations::SignInProvider& provider;
   std::string version;
 };
 

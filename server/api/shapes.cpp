@@ -138,6 +138,9 @@ json to_json(const db::TransferRow& row) {
           {"bytes", row.bytes},
           {"total", row.total},
           {"rate", rate},
+          // Done is said only when the machine's own count and hash of what it took are the revision's; a drip-feed has
+          // then been read to its end by the interpreter.
+          {"drained", row.kind == "drip" ? json(row.state == "done") : json(nullptr)},
           {"reason", text_or_null(row.reason)},
           {"by", row.by},
           {"created", time_json(row.created_ms)},

@@ -396,6 +396,11 @@ asio::awaitable<void> Fleet::census(std::int64_t machine, json programs) {
         {"machine", machine, std::make_shared<const json>(json{{"id", machine}, {"changed", "programs"}})});
 }
 
+asio::awaitable<server::MachineAnswer> Fleet::program_requested(std::int64_t machine, std::string name) {
+  if (impl_->distributor == nullptr) co_return server::MachineAnswer{false, "unsupported"};
+  co_return co_await impl_->distributor->requested(machine, std::move(name));
+}
+
 asio::awaitable<void> Fleet::data_report(std::int64_t machine, std::string spool_id, const json& report) {
   const std::weak_ptr<int> alive = impl_->life;
   std::int64_t differences = 0;

@@ -56,6 +56,7 @@ class Fleet : public server::GatewayHost {
   boost::asio::awaitable<std::uint64_t> events(std::int64_t machine, std::string spool_id,
                                                nlohmann::json events) override;
   boost::asio::awaitable<void> census(std::int64_t machine, nlohmann::json programs) override;
+  boost::asio::awaitable<server::MachineAnswer> program_requested(std::int64_t machine, std::string name) override;
   void transfer_changed(const server::TransferState& state) override;
   boost::asio::awaitable<void> data_report(std::int64_t machine, std::string spool_id,
                                            const nlohmann::json& report) override;

@@ -83,8 +83,7 @@ class AgentSession : public std::enable_shared_from_this<AgentSession> {
   void on_data(const wire::Frame& frame);
   void on_result(const wire::TransferResult& result);
   void renew(const wire::Enrol& request);
-  template <class Message, class Handler>
-  void with(const wire::Frame& frame, Handler handler);
+  boost::asio::awaitable<void> program_requested(std::uint64_t request, std::string name);
   bool json_body(const wire::Frame& frame, nlohmann::json& body);
   void give_up_answers();
   void on_data_result(const wire::Frame& frame);
@@ -95,6 +94,7 @@ class AgentSession : public std::enable_shared_from_this<AgentSession> {
   std::int64_t machine_ = 0;
   std::string serial_, renewed_serial_, spool_id_;
   bool greeted_ = false;
+  int requests_under_way_ = 0;
   std::uint32_t streams_ = 0;
   std::uint64_t asked_ = 0, pings_ = 0;
   std::map<std::uint64_t, std::shared_ptr<Answer>> answers_;

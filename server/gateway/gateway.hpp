@@ -69,6 +69,9 @@ class GatewayHost {
                                                        nlohmann::json events) = 0;
   /// @param programs [{name, sha256, bytes, since_ms}], everything resident in the machine now.
   virtual boost::asio::awaitable<void> census(std::int64_t machine, nlohmann::json programs) = 0;
+  /// The machine asks for the released program of this name (M198, or its operator): opens a drip-feed to it, or says
+  /// why not.
+  virtual boost::asio::awaitable<MachineAnswer> program_requested(std::int64_t machine, std::string name) = 0;
   virtual void transfer_changed(const TransferState& state) = 0;
   /// Offsets, tool life, parameters and variables as the machine has them on its disk: {sequence, version, values,
   /// parameter_write}. Comes when every event up to `sequence` was acknowledged. `report` lives until it has returned.
@@ -105,6 +108,9 @@ class Gateway {
   /// Throws std::runtime_error with a message for the person who starts the server (port in use, unreadable
   /// key).
   void start();
+  /// Says good-bye ("shutdown") to every agent, so that it knows it was not cut, and takes no new one; returns when they
+  /// are gone or after the time. stop() comes next.
+  boost::asio::awaitable<void> shut_down(std::chrono::milliseconds patience);
   /// Closes everything; transfers end as they are (a drip-feed may be offered again after the next start). No
   /// call of the host begins afterwards. On the io_context's thread, or when it does not run.
   void stop();

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/io_context.hpp>
@@ -52,6 +53,8 @@ class SocketClient {
 struct WebHost {
   /// Who has this token? Role `none` when it is not valid (any more).
   std::function<boost::asio::awaitable<Principal>(std::string token)> authenticate;
+  /// Of routes that name machines (names_machines): which. Empty: none, only shop-wide rights count.
+  std::function<boost::asio::awaitable<std::vector<std::int64_t>>(const Route&, const Call&)> machines{};
   /// Serves one WebSocket client until it goes or the server stops; may send while it receives.
   std::function<boost::asio::awaitable<void>(std::shared_ptr<SocketClient>, Principal)> web_socket;
   /// Files of the browser application (paths outside /api).
