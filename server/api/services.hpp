@@ -21,6 +21,7 @@ class Distributor;
 namespace headstock::fleet {
 class Fleet;
 class Changes;
+class ValueDesk;
 }  // namespace headstock::fleet
 namespace headstock::server {
 class Gateway;
@@ -54,6 +55,7 @@ struct Services {
   fleet::Fleet& fleet;
   fleet::Changes& changes;
   server::Gateway& gateway;
+  fleet::ValueDesk& values;
   dnc::Dnc& dnc;
   Jobs& jobs;
   integrations::Notifier& notifier;

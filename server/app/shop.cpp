@@ -30,6 +30,7 @@
 #include "server/dnc/dnc.hpp"
 #include "server/backup/backups.hpp"
 #include "server/fleet/fleet.hpp"
+#include "server/fleet/value_requests.hpp"
 #include "server/integrations/notifier.hpp"
 #include "server/integrations/sign_in_provider.hpp"
 #include "server/library/checks.hpp"
@@ -123,6 +124,9 @@ struct Shop::Impl {
         checks(*store, workers, *blobs),
         fleet(io.get_executor(), *store, changes),
         gateway(io, gateway_options(), fleet),
+        values(*store,
+               [this](std::int64_t machine, nlohmann::json write) { return gateway.write_data(machine, std::move(write)); },
+               [this](std::int64_t machine) { fleet.values_changed(machine); }),
         distributor(io.get_executor(), *store, *blobs, checks, library::carried_by(gateway),
                     [this](const db::TransferRow& row) { publish(row); }),
         dnc(io, *store, workers, *blobs, checks, [this](std::int64_t port) { publish_port(port); }),
@@ -131,8 +135,9 @@ struct Shop::Impl {
         backups(*store, keeper, *blobs, options.data, version()),
         provider(*store, messenger),
         services{io,    *store,      workers, *blobs,  accounts, checks, lines,
-                 distributor, fleet, changes, gateway, dnc, jobs, notifier, backups, provider, version()} {
+                 distributor, fleet, changes, gateway, values, dnc, jobs, notifier, backups, provider, version()} {
     fleet.set_distributor(&distributor);
+    dnc.set_agents(agents_as_ports());
     backups.set_restorer({.send = [this](access::Actor actor, std::int64_t program, std::int64_t revision, std::int64_t machine) {
                             return send_restored(std::move(actor), program, revision, machine);
                           },
@@ -148,6 +153,7 @@ struct Shop::Impl {
     return agents;
   }
 
+  dnc::AgentCarrier agents_as_ports();
   awaitable<nlohmann::json> send_restored(access::Actor actor, std::int64_t program, std::int64_t revision, std::int64_t machine);
   void publish(const db::TransferRow& row);
   void publish_port(std::int64_t port);
@@ -172,6 +178,7 @@ struct Shop::Impl {
   library::Checks checks;
   fleet::Fleet fleet;
   server::Gateway gateway;
+  fleet::ValueDesk values;
   library::Distributor distributor;
   dnc::Dnc dnc;
   api::Jobs jobs;
@@ -191,6 +198,22 @@ struct Shop::Impl {
   bool stopping = false;
 };
 
+dnc::AgentCarrier Shop::Impl::agents_as_ports() {
+  dnc::AgentCarrier agents;
+  agents.is_connected = [this](std::int64_t machine) { return gateway.is_connected(machine); };
+  agents.send = [this](access::Actor actor, std::int64_t machine, std::int64_t program, std::int64_t revision,
+                       bool drip) -> awaitable<db::TransferRow> {
+    if (drip) co_return co_await distributor.drip(std::move(actor), machine, program, revision);
+    std::vector<std::int64_t> machines(1, machine);
+    auto sent = co_await distributor.distribute(std::move(actor), program, revision, std::move(machines));
+    co_return sent.transfers.at(0);
+  };
+  agents.cancel = [this](access::Actor actor, std::int64_t transfer) {
+    return distributor.cancel(std::move(actor), transfer);
+  };
+  return agents;
+}
+
 /// As a person would send it: planned, checked, with a state and a reason.
 awaitable<nlohmann::json> Shop::Impl::send_restored(access::Actor actor, std::int64_t program, std::int64_t revision,
                                                     std::int64_t machine) {
@@ -208,6 +231,7 @@ awaitable<nlohmann::json> Shop::Impl::send_restored(access::Actor actor, std::in
 }
 
 void Shop::Impl::publish(const db::TransferRow& row) {
+  dnc.agent_transfer(row);
   changes.publish({"transfer", row.machine, std::make_shared<const nlohmann::json>(nlohmann::json{{"transfer", api::to_json(row)}})});
 }
 
@@ -279,6 +303,7 @@ awaitable<void> Shop::Impl::tick() {
 awaitable<void> Shop::Impl::drain() {
   try {
     co_await web->stop(drain_time);
+    co_await gateway.shut_down(500ms);
     gateway.stop();
     dnc.stop();
   } catch (const std::exception& error) {
@@ -321,6 +346,7 @@ void Shop::start() {
   try {
     impl_->gateway.start();
     impl_->start_web();
+    impl_->dnc.watch_the_clock();
   } catch (const StartError&) {
     throw;
   } catch (const std::exception& error) {

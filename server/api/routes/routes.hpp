@@ -26,7 +26,10 @@ std::vector<Route> revision_routes(Services& services);
 std::vector<Route> transfer_routes(Services& services);
 std::vector<Route> history_routes(Services& services);
 std::vector<Route> port_routes(Services& services);
+std::vector<Route> port_record_routes(Services& services);
 std::vector<Route> accounting_routes(Services& services);
+std::vector<Route> value_routes(Services& services);
+std::vector<Route> count_routes(Services& services);
 /// Needs the router for the description it serves.
 std::vector<Route> system_routes(Services& services, const Router& router);
 

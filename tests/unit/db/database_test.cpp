@@ -38,7 +38,7 @@ TEST(Migrations, FromEmptyThenNothingMore) {
   EXPECT_EQ(db->integer("PRAGMA foreign_keys"), 1);
 }
 
-TEST(Migrations, AreNumberedInOrder) {
+TEST(Migrations, AreInOrderOfTheirNumbers) {
   int last = 0;
   for (const Migration& migration : builtin_migrations()) {
     EXPECT_GT(migration.number, last);

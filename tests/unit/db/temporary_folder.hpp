@@ -1,4 +1,4 @@
-// A folder that vanishes with the test, and a database in it.
+// A database in a folder that vanishes with the test.
 #pragma once
 
 #include <cstdlib>
@@ -11,28 +11,12 @@
 #include <string_view>
 
 #include "db/database.hpp"
-#include "db/hash.hpp"
 #include "db/migrations.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace headstock::test {
 
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_(std::filesystem::temp_directory_path() / ("headstock-" + db::random_hex(8))) {
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
+using testing_support::TemporaryFolder;
 
 /// Empty: SQLite. Otherwise (tests/with-postgresql sets HEADSTOCK_TEST_DATABASE) a new empty PostgreSQL database, so
 /// that the same tests run on both.

@@ -18,6 +18,7 @@ import { atLeast, onMachine, SessionContext } from "./session";
 const MachinePage = lazy(() => import("../pages/machine/MachinePage").then((m) => ({ default: m.MachinePage })));
 const Admin = lazy(() => import("../pages/admin/Admin").then((m) => ({ default: m.Admin })));
 const Dnc = lazy(() => import("../pages/dnc/Dnc").then((m) => ({ default: m.Dnc })));
+const Data = lazy(() => import("../pages/data/Data").then((m) => ({ default: m.Data })));
 const Programs = lazy(() => import("../pages/programs/Programs").then((m) => ({ default: m.Programs })));
 
 export function App() {
@@ -80,6 +81,7 @@ function Frame({ session, onSignOut, onChanged }: {
   if (session.must_change_password) content = <Account forced onChanged={onChanged} />;
   else if (page === "machines" && id) content = <SessionContext.Provider value={onMachine(session, Number(id))}><MachinePage key={id} id={Number(id)} /></SessionContext.Provider>;
   else if (page === "programs") content = <Programs program={id ? Number(id) : null} />;
+  else if (page === "data") content = <Data />;
   else if (page === "dnc") content = <Dnc />;
   else if (page === "alarms") content = <AlarmHistory />;
   else if (page === "times") content = <Times />;
