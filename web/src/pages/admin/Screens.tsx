@@ -21,7 +21,7 @@ export function Screens() {
       <Panel className="flush" title={t("screens.title")} extra={<Button small kind="primary" icon="plus" onClick={() => setAdding(true)}>{t("screens.add")}</Button>}>
         <p className="panel-text">{t("screens.explained")}</p>
         <table className="table">
-          <thead><tr><th>{t("users.name")}</th><th>{t("screens.by")}</th><th>{t("screens.created")}</th><th>{t("screens.last_used")}</th><th /></tr></thead>
+          <thead><tr><th>{t("rules.name")}</th><th>{t("screens.by")}</th><th>{t("screens.created")}</th><th>{t("screens.last_used")}</th><th /></tr></thead>
           <tbody>{(tokens ?? []).map((token) => (
             <tr key={token.id} data-screen={token.name}><td><b>{token.name}</b></td><td>{token.by}</td><td className="num">{moment(token.created)}</td>
               <td className="num">{token.last_used ? moment(token.last_used) : t("users.never")}</td>
@@ -54,7 +54,7 @@ function AddScreen({ onClose }: { onClose: () => void }) {
       {made
         ? <><p>{t("screens.once")}</p><textarea className="mono" readOnly rows={4} value={made} data-screen-address onFocus={(event) => event.target.select()} /></>
         : <form id="screen-form" className="form" onSubmit={submit}>
-          <Field label={t("users.name")} hint={t("screens.name_hint")}><input name="name" required maxLength={60} autoFocus /></Field>
+          <Field label={t("rules.name")} hint={t("screens.name_hint")}><input name="name" required maxLength={60} autoFocus /></Field>
           <ErrorNote error={error} /></form>}
     </Dialog>
   );
