@@ -13,6 +13,7 @@
 #include <spdlog/spdlog.h>
 
 #include "db/blobs.hpp"
+#include "db/refusal.hpp"
 #include "db/store.hpp"
 #include "db/time.hpp"
 #include "db/user_store.hpp"
@@ -168,7 +169,9 @@ struct Shop::Impl {
     backups.set_restorer({.send = [this](access::Actor actor, std::int64_t program, std::int64_t revision, std::int64_t machine) {
                             return send_restored(std::move(actor), program, revision, machine);
                           },
-                          .write = {}});
+                          .write = [this](access::Actor actor, std::int64_t machine, std::map<std::string, double> wanted, std::string why) {
+                            return write_restored(std::move(actor), machine, std::move(wanted), std::move(why));
+                          }});
     api::add_all_routes(router, services);
   }
 
@@ -182,6 +185,8 @@ struct Shop::Impl {
 
   awaitable<api::Principal> look_up(std::string token);
   dnc::AgentCarrier agents_as_ports();
+  awaitable<nlohmann::json> write_restored(access::Actor actor, std::int64_t machine, std::map<std::string, double> wanted,
+                                           std::string why);
   awaitable<nlohmann::json> send_restored(access::Actor actor, std::int64_t program, std::int64_t revision, std::int64_t machine);
   void publish(const db::TransferRow& row);
   void publish_port(std::int64_t port);
@@ -263,6 +268,30 @@ awaitable<nlohmann::json> Shop::Impl::send_restored(access::Actor actor, std::in
   const auto transfer = co_await distributor.find(first);
   if (!transfer) co_return nlohmann::json{{"state", "failed"}, {"reason", "not_connected"}};
   co_return nlohmann::json{{"state", transfer->state}, {"reason", transfer->reason}, {"transfer", transfer->id}};
+}
+
+/// What differs is asked for as any other change: within the limits of one person, written, read back.
+awaitable<nlohmann::json> Shop::Impl::write_restored(access::Actor actor, std::int64_t machine, std::map<std::string, double> wanted,
+                                                     std::string why) {
+  using nlohmann::json;
+  actor.rights = nullptr;   // who may restore a machine may write what belongs to it
+  actor.role = std::max(actor.role, access::Role::setter);
+  try {
+    const auto compare = [&](db::Database& db) { return fleet::difference(db, machine, wanted, ""); };
+    fleet::Difference difference = co_await store->run(compare);
+    if (difference.items.empty()) co_return json{{"state", "same"}, {"without_place", difference.without_place}};
+    fleet::NewValueRequest request;
+    request.machine = machine;
+    request.origin = "restore";
+    request.why = std::move(why);
+    const auto count = difference.items.size();
+    request.items = std::move(difference.items);
+    const auto row = co_await values.ask(std::move(actor), std::move(request));
+    co_return json{{"state", row.state},   {"reason", row.reason}, {"where", row.where}, {"request", row.id},
+                   {"differ", count}, {"without_place", difference.without_place}};
+  } catch (const db::Refusal& refusal) {
+    co_return json{{"state", "refused"}, {"reason", refusal.code()}, {"where", refusal.where()}};
+  }
 }
 
 void Shop::Impl::publish(const db::TransferRow& row) {
