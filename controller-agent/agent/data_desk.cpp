@@ -13,7 +13,7 @@ namespace headstock::agent {
 namespace {
 
 using nlohmann::json;
-constexpr std::size_t kMostValues = 20'000;  // a whole page of 400 tools, twice over
+constexpr std::size_t kMostValues = 8'000;  // two pages of 400 tools; fits one message
 
 std::optional<std::optional<double>> number_or_null(const json& object, const char* key) {
   const auto found = object.find(key);

@@ -208,12 +208,22 @@ std::string refuse_value(const Dialect& dialect, const MachineData& data, const 
 }
 
 std::optional<NumberRange> parameter_range(std::string_view text) {
+  // "500..999": from_chars alone would read the first dot as a decimal point.
   const auto take = [&text](double& into) {
     std::string_view digits = text;
     if (digits.starts_with('+')) digits.remove_prefix(1);
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), into);
-    if (error != std::errc{}) return false;
-    text = digits.substr(static_cast<std::size_t>(end - digits.data()));
+    std::size_t length = digits.starts_with('-') ? 1 : 0;
+    const auto whole = [&] {
+      while (length < digits.size() && digits[length] >= '0' && digits[length] <= '9') ++length;
+    };
+    whole();
+    if (length + 1 < digits.size() && digits[length] == '.' && digits[length + 1] != '.') {
+      ++length;
+      whole();
+    }
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + length, into);
+    if (error != std::errc{} || end != digits.data() + length) return false;
+    text = digits.substr(length);
     return true;
   };
   NumberRange range;

@@ -401,7 +401,7 @@ asio::awaitable<server::MachineAnswer> Fleet::program_requested(std::int64_t mac
   co_return co_await impl_->distributor->requested(machine, std::move(name));
 }
 
-asio::awaitable<void> Fleet::data_report(std::int64_t machine, std::string spool_id, json report) {
+asio::awaitable<void> Fleet::data_report(std::int64_t machine, std::string spool_id, const json& report) {
   const std::weak_ptr<int> alive = impl_->life;
   std::int64_t differences = 0;
   const auto in_store = [&](db::Database& db) {

@@ -59,7 +59,7 @@ class Fleet : public server::GatewayHost {
   boost::asio::awaitable<server::MachineAnswer> program_requested(std::int64_t machine, std::string name) override;
   void transfer_changed(const server::TransferState& state) override;
   boost::asio::awaitable<void> data_report(std::int64_t machine, std::string spool_id,
-                                           nlohmann::json report) override;
+                                           const nlohmann::json& report) override;
 
   /// Tells who watches that values or requests of this machine have changed.
   void values_changed(std::int64_t machine);

@@ -20,7 +20,7 @@ using access::Action;
 using access::Actor;
 using nlohmann::json;
 
-constexpr std::size_t kMostItems = 20'000;
+constexpr std::size_t kMostItems = 8'000;  // of one request: two pages of 400 numbers; fits one message
 constexpr std::array<std::string_view, 5> kOrigins = {"person", "import", "copy", "restore", "compensation"};
 constexpr std::array<std::string_view, 7> kLimitKinds = {"wear",     "geometry",  "radius",   "work",
                                                          "variable", "parameter", "tool_life"};

@@ -325,9 +325,9 @@ asio::awaitable<void> AgentSession::store_loop() {
         census_.reset();
         co_await owner_->host().census(machine_, std::move(programs));
       } else if (data_report_) {
-        json report = std::move(*data_report_);
+        const json report = std::move(*data_report_);
         data_report_.reset();
-        co_await owner_->host().data_report(machine_, spool_id_, std::move(report));
+        co_await owner_->host().data_report(machine_, spool_id_, report);
       } else {
         co_await to_store_.wait();
       }

@@ -8,10 +8,6 @@ using nlohmann::json;
 using std::chrono::milliseconds;
 using wire::Type;
 
-asio::awaitable<void> GatewayHost::data_report(std::int64_t, std::string, json) {
-  co_return;
-}
-
 asio::awaitable<json> AgentSession::write_data(json write) {
   const auto self = shared_from_this();
   const std::uint64_t id = ++asked_;

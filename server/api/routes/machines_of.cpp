@@ -37,6 +37,12 @@ awaitable<Machines> machines_of(Services& s, const Route& route, const Call& cal
     co_return co_await by_row(s, "SELECT machine_id FROM transfers WHERE id = ?", call.id("id"));
   if (pattern.starts_with("/alarm-events/{id}"))
     co_return co_await by_row(s, "SELECT machine_id FROM alarm_events WHERE id = ?", call.id("id"));
+  if (pattern.starts_with("/value-requests/{id}"))
+    co_return co_await by_row(s, "SELECT machine_id FROM value_requests WHERE id = ?", call.id("id"));
+  if (pattern.starts_with("/counts/disagreements/{id}"))
+    co_return co_await by_row(s, "SELECT machine_id FROM count_disagreements WHERE id = ?", call.id("id"));
+  if (pattern.starts_with("/orders/{id}"))
+    co_return co_await by_row(s, "SELECT machine_id FROM orders WHERE id = ? AND machine_id IS NOT NULL", call.id("id"));
   co_return of_body(call);
 }
 
