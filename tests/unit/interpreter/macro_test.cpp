@@ -210,21 +210,24 @@ TEST(Macro, TheK2000RepeatsTheBlockThatWasBrokenInto) {
   bench.data.parameters["P4100.3"] = 1;
   bench.programs.add_text("O13\nG00 Z5.\nM99\n");
   bench.start("O1\nG98 G01 F100\nM96 P13\nX10.\nX20.\nM97\nX30.\nM30\n");
-  for (;;) {
-    ASSERT_EQ(bench.next(), Pull::operation);
-    if (motion(bench.operation) != nullptr) break;
-  }
+  const auto next_motion = [&bench] {  // the power-on codes may say something to the spindle between
+    while (bench.next() == Pull::operation) {
+      if (motion(bench.operation) != nullptr) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(next_motion());
   const double first = motion(bench.operation)->end_machine[0];
   ASSERT_TRUE(bench.interpreter.interruption_signal().inside_blocks);
   AxisVector here{};
   here[0] = first / 2;
   ASSERT_TRUE(bench.interpreter.interrupt(here, true));
-  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_TRUE(next_motion());
   EXPECT_EQ(motion(bench.operation)->at.program, 13u);
-  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_TRUE(next_motion());
   EXPECT_TRUE(std::holds_alternative<Feed>(bench.operation));  // G01 again
   EXPECT_EQ(motion(bench.operation)->end_machine[0], first);
-  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_TRUE(next_motion());
   EXPECT_EQ(motion(bench.operation)->end_machine[0], 2 * first);
 }
 
