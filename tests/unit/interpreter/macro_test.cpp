@@ -273,18 +273,18 @@ TEST(Macro, NothingIsReadAheadOfCodesThatStopTheLookAhead) {
     bench.data.parameters["3421"] = 80;
     bench.data.parameters["3422"] = 90;
     bench.interpreter.set_environment(&environment);
-    bench.start(std::string("G0 X1.\n") + held + "\n#500=1\nG0 X2.\nM30\n");
+    bench.start(std::string("G0 X1.\n") + held + "\n#100=1\nG0 X2.\nM30\n");
     ASSERT_EQ(bench.next(), Pull::operation);
     ASSERT_EQ(bench.next(), Pull::operation) << held;
     EXPECT_EQ(bench.next(), Pull::standstill) << held;
-    EXPECT_FALSE(bench.data.common_variables.contains(500)) << held;
+    EXPECT_FALSE(bench.data.common_variables.contains(100)) << held;
     EXPECT_EQ(bench.next(), Pull::operation) << held;
-    EXPECT_TRUE(bench.data.common_variables.contains(500)) << held;
+    EXPECT_TRUE(bench.data.common_variables.contains(100)) << held;
   }
   Bench bench;
   Running environment;
   bench.interpreter.set_environment(&environment);
-  bench.start("G0 X1.\nM61\n#500=1\nG0 X2.\nM30\n");
+  bench.start("G0 X1.\nM61\n#100=1\nG0 X2.\nM30\n");
   ASSERT_EQ(bench.next(), Pull::operation);
   ASSERT_EQ(bench.next(), Pull::operation);
   EXPECT_EQ(bench.next(), Pull::operation);  // not one of them: read on
