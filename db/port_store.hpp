@@ -48,6 +48,7 @@ struct PortTransferRow {
   std::string by;
   std::int64_t created_ms = 0;
   std::optional<std::int64_t> started_ms, ended_ms;
+  std::string settings_json = "{}";  ///< of the port at the time: code, filters, handshake
 };
 std::int64_t insert_port_transfer(Database& db, const PortTransferRow& row);
 /// Writes state, bytes, total, wire_sha256, reason, detail, figures, started and ended.
@@ -56,10 +57,34 @@ std::optional<PortTransferRow> port_transfer(Database& db, std::int64_t id);
 struct PortTransferFilter {
   std::int64_t port = 0;  ///< 0: all
   bool open_only = false;
+  std::int64_t from_ms = 0, to_ms = 0;  ///< created in [from, to); 0: no limit
 };
 Listed<PortTransferRow> port_transfers(Database& db, const PortTransferFilter& filter, const Page& page);
 /// What an earlier run of the server left open has ended: nothing goes on by itself. @return how many.
 std::int64_t end_open_port_transfers(Database& db, const std::string& reason, std::int64_t at_ms);
+
+/// What lies in a machine by what went over its port: the newest whole program of each name that was sent,
+/// and the newest that was punched back.
+struct PortResidentRow {
+  std::string name, sha256;
+  std::int64_t program = 0, revision = 0;  ///< 0: not known to the library
+  std::string classes;                     ///< of a punch: what differs from `revision`
+  bool punched = false;
+  std::int64_t since_ms = 0, record = 0;  ///< id of the transfer, or of the received piece
+};
+std::vector<PortResidentRow> port_residents(Database& db, std::int64_t port);
+
+/// What a port has learnt about its line, over all its transfers.
+struct PortMeasuresRow {
+  std::int64_t port = 0, transfers = 0, stops = 0;
+  std::int64_t most_after_stop = 0;  ///< characters under way when a DC3 came, worst
+  std::int64_t longest_stop_us = 0;  ///< until they were out
+  std::int64_t longest_hold_ms = 0, starved_ms = 0, sending_ms = 0;
+  std::int64_t round_trip_us = 0;  ///< of one character, by the loop-back test; 0: not measured
+  std::int64_t at_ms = 0;
+};
+std::optional<PortMeasuresRow> port_measures(Database& db, std::int64_t port);
+void put_port_measures(Database& db, const PortMeasuresRow& row);
 
 struct ReceivedRow {
   std::int64_t id = 0, port = 0, transfer = 0, machine = 0;

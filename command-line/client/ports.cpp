@@ -17,9 +17,10 @@ namespace headstock::client {
 namespace {
 
 struct Fields {
-  std::string port, name, address, machine, protocol, line, folder, rule, program, header, why, settings;
-  std::int64_t revision = 0, from_line = 1, id = 0;
-  bool listen = false, no_listen = false, drip = false, queue = false, wait = false, yes = false, follow = false;
+  std::string port, name, address, machine, protocol, line, folder, program, header, why, settings, at;
+  std::vector<std::string> rules;
+  std::int64_t revision = 0, from_line = 0, from_block = 0, from_sequence = -1, from_tool = 0, occurrence = 1, id = 0;
+  bool listen = false, no_listen = false, drip = false, queue = false, armed = false, wait = false, yes = false, follow = false;
 };
 
 json find_port(Connection& server, const std::string& wanted) {
@@ -61,13 +62,12 @@ json fields_of(Connection& server, const Fields& given) {
   if (!given.folder.empty()) body["folder"] = given.folder;
   if (given.listen) body["listens"] = true;
   if (given.no_listen) body["listens"] = false;
-  if (!given.rule.empty()) {
-    // PATTERN:NAME, as "(GET=*):O*"
-    const auto colon = given.rule.rfind(':');
+  for (const auto& rule : given.rules) {
+    // PATTERN:NAME, as "(GET=*):O*"; without * it asks for the list
+    const auto colon = rule.rfind(':');
     if (colon == std::string::npos) throw Failure(usage, say("a rule is PATTERN:NAME, as ", "规则格式为 模式:名称，如 ") + "'(GET=*):O*'");
-    const bool list = given.rule.find('*') == std::string::npos;
-    body["rules"] = json::array({{{"pattern", given.rule.substr(0, colon)}, {"name", given.rule.substr(colon + 1)},
-                                  {"action", list ? "list" : "send"}}});
+    const bool list = rule.find('*') == std::string::npos;
+    body["rules"].push_back({{"pattern", rule.substr(0, colon)}, {"name", rule.substr(colon + 1)}, {"action", list ? "list" : "send"}});
   }
   json settings = json::object();
   if (!given.settings.empty()) {
@@ -100,6 +100,18 @@ void finish(Context& context, const json& transfer) {
   if (transfer.at("state") != "done") context.status = refused;
 }
 
+/// Where to begin, as the person named it; null: at the beginning.
+json place_of(const Fields& given) {
+  json place = nullptr;
+  if (given.from_line > 1) place["line"] = given.from_line;
+  if (given.from_block > 0) place["block"] = given.from_block;
+  if (given.from_sequence >= 0) place["sequence"] = given.from_sequence;
+  if (given.from_tool > 0) place["tool"] = given.from_tool;
+  if (place.is_object() && place.size() > 1) throw Failure(usage, say("one --from… at a time", "只能指定一个 --from…"));
+  if (place.is_object()) place["occurrence"] = given.occurrence;
+  return place;
+}
+
 void send(Context& context, const Fields& given) {
   auto server = context.connect();
   const auto port = find_port(server, given.port);
@@ -108,12 +120,17 @@ void send(Context& context, const Fields& given) {
     throw Failure(refused, say("not released: ", "尚未发布：") + given.program);
   json body = {{"program", program.at("id")},
                {"revision", given.revision != 0 ? json(given.revision) : program.at("released").at("number")},
-               {"drip", given.drip}, {"queue", given.queue}};
-  if (given.from_line > 1) {
-    body["from_line"] = given.from_line;
+               {"drip", given.drip}};
+  json place = place_of(given);
+  if (!place.is_null()) {
+    place["program"] = body["program"];
+    place["revision"] = body["revision"];
+    const auto asked = server.send("POST", path_of(port, "restart"), place);
+    body["from_line"] = asked.at("line");
+    std::cerr << say("From line ", "起始行 ") << asked.at("line") << ": " << asked.at("text").get<std::string>() << "\n";
+    if (asked.at("occurrences").get<std::int64_t>() > 1)
+      std::cerr << say("There are ", "共有 ") << asked.at("occurrences") << say(" such places; choose with --occurrence\n", " 处；用 --occurrence 选择\n");
     if (given.header.empty()) {
-      const auto asked = server.send("POST", path_of(port, "restart"),
-                                     {{"program", body["program"]}, {"revision", body["revision"]}, {"line", given.from_line}});
       if (!asked.at("error").is_null())
         throw Failure(refused, text_of(asked.at("error").at("message")) + " " + cell(asked.at("error").at("where")), asked);
       std::cerr << say("This will be sent first. Read every block:\n", "将先发送以下内容，请逐段核对：\n")
@@ -128,6 +145,13 @@ void send(Context& context, const Fields& given) {
       body["header"] = std::string(std::istreambuf_iterator<char>(in), {});
     }
   }
+  if (!given.at.empty()) {
+    body["at"] = given.at;
+    const auto plan = server.send("POST", path_of(port, "plans"), body);
+    return show(context, plan, say("plan ", "计划 ") + cell(plan.at("id")) + ": " + cell(plan.at("name")) + " " + local_time(plan.at("at")));
+  }
+  body["queue"] = given.queue;
+  body["armed"] = given.armed;
   const auto transfer = server.send("POST", path_of(port, "send"), body);
   if (!given.wait) return show(context, transfer, progress_of(transfer));
   finish(context, wait_for(server, port.at("id"), transfer.at("id")));
@@ -204,13 +228,13 @@ void add_port_commands(CLI::App& app, Context& context) {
   });
   ports->add_subcommand("list", "All ports and what they do")->callback(list);
   const auto settings = [fields](CLI::App& made) {
-    made.add_option("--address", fields->address, "/dev/ttyS0, tcp://HOST:PORT, rfc2217://HOST:PORT");
+    made.add_option("--address", fields->address, "/dev/ttyS0, tcp://HOST:PORT, rfc2217://HOST:PORT, agent:MACHINE");
     made.add_option("--machine", fields->machine, "What stands at the other end");
     made.add_option("--protocol", fields->protocol, "dc1-dc4, xon-xoff, plain, rts-cts, lathe-200t …");
     made.add_option("--line", fields->line, "9600-7-E-2-software");
     made.add_option("--settings", fields->settings, "Further settings as JSON");
     made.add_option("--folder", fields->folder, "Where received programs belong");
-    made.add_option("--rule", fields->rule, "Answer requests: '(GET=*):O*'");
+    made.add_option("--rule", fields->rules, "Answer requests: '(GET=*):O*', '(LIST):O9999'; may come several times");
     made.add_flag("--listen", fields->listen, "Keep the port open, take punches, answer requests");
     made.add_flag("--no-listen", fields->no_listen, "Open the port only for transfers");
   };
@@ -255,7 +279,13 @@ void add_port_commands(CLI::App& app, Context& context) {
                  made.add_option("--revision", fields->revision, "Released revision (the current release when left out)");
                  made.add_flag("--drip", fields->drip, "Drip-feed: the control may stop for as long as it likes");
                  made.add_flag("--queue", fields->queue, "Wait behind what is under way");
+                 made.add_flag("--armed", fields->armed, "Wait for the control's DC1 without limit");
+                 made.add_option("--at", fields->at, "Send at this time (2026-01-31T06:00:00Z), when the control asks");
                  made.add_option("--from-line", fields->from_line, "Begin at this line, behind a header")->check(CLI::PositiveNumber);
+                 made.add_option("--from-block", fields->from_block, "Begin at this block, counted from 1")->check(CLI::PositiveNumber);
+                 made.add_option("--from-sequence", fields->from_sequence, "Begin at this sequence number (N)")->check(CLI::NonNegativeNumber);
+                 made.add_option("--from-tool", fields->from_tool, "Begin where it changes to this tool")->check(CLI::PositiveNumber);
+                 made.add_option("--occurrence", fields->occurrence, "The n-th such place (1 when left out)")->check(CLI::PositiveNumber);
                  made.add_option("--header", fields->header, "File with the header you have read and corrected");
                  made.add_flag("--yes", fields->yes, "I have read the header that is shown");
                  made.add_flag("--wait", fields->wait, "Wait for the end");
@@ -293,6 +323,7 @@ void add_port_commands(CLI::App& app, Context& context) {
                                         say("revision", "版本"), say("bytes", "字节"), say("state", "状态"), say("reason", "原因"),
                                         say("by", "操作者"), "sha256"}, rows));
                }});
+  add_port_record_commands(*ports, context);
   auto* received = app.add_subcommand("received", "What controls have punched: list, accept, reject");
   received->require_subcommand(0, 1);
   received->callback([received, &context] {

@@ -12,8 +12,9 @@ namespace {
 
 struct Options {
   std::string from = "iso", to = "ascii", end_of_block = "lf", symbols, out, file;
+  std::vector<std::string> files;
   std::uint32_t leader = 0, trailer = 0;
-  bool frame = false, tv = false, no_tv_comments = false, fold_case = false;
+  bool frame = false, tv = false, no_tv_comments = false, fold_case = false, back = false;
 };
 
 int fail(const std::string& text) {
@@ -26,6 +27,70 @@ void print(const tape::Findings& findings, const std::string& file) {
     std::cerr << file << ": " << tape::describe(finding) << '\n';
   if (findings.count() > findings.kept().size())
     std::cerr << file << ": and " << findings.count() - findings.kept().size() << " more\n";
+}
+
+/// The file as an ISO tape, to the code and back: the same bytes, or it is said which character has no code.
+enum class Back { identical, refused, different };
+Back there_and_back(const Options& options, const std::string& text, tape::Finding& first) {
+  tape::ReadFormat read;
+  read.code = *tape::code_named(options.from);
+  tape::PunchFormat iso, other;
+  if (!other.symbols.read(options.symbols).empty()) return Back::refused;
+  read.symbols = iso.symbols = other.symbols;
+  iso.code = tape::Code::iso;
+  other.code = *tape::code_named(options.to);
+  iso.fold_case = options.fold_case;
+  iso.end_of_block = other.end_of_block = tape::EndOfBlock::lf;
+  tape::ReadFormat from_iso = read, from_other = read;
+  from_iso.code = iso.code;
+  from_other.code = other.code;
+  tape::Findings read_findings, back_findings;
+  const auto encode = [](const tape::PunchFormat& format, const std::string& what, tape::Findings& findings) {
+    tape::Encoder encoder(format);
+    std::string bytes;
+    encoder.put(what, bytes);
+    encoder.finish(bytes);
+    findings = encoder.findings();
+    return bytes;
+  };
+  tape::Findings to_iso, to_other, to_iso_again;
+  const std::string tape_bytes = encode(iso, tape::decoded(text, read, &read_findings), to_iso);
+  const std::string there = encode(other, tape::decoded(tape_bytes, from_iso), to_other);
+  const std::string back = encode(iso, tape::decoded(there, from_other, &back_findings), to_iso_again);
+  for (const auto* findings : {&read_findings, &to_iso, &to_other})
+    if (!findings->none()) {
+      first = findings->kept().front();
+      return Back::refused;
+    }
+  return back == tape_bytes && back_findings.none() && to_iso_again.none() ? Back::identical
+                                                                           : Back::different;
+}
+
+// @return 0 when every file that has its characters in both codes comes back as it was, 2 when one does not.
+int check_back(const Options& options) {
+  int identical = 0, refused = 0, different = 0;
+  for (const auto& name : options.files) {
+    std::ifstream in(name, std::ios::binary);
+    if (!in) return fail(name + ": cannot be read");
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    tape::Finding first;
+    switch (there_and_back(options, text, first)) {
+      case Back::identical:
+        ++identical;
+        break;
+      case Back::refused:
+        ++refused;
+        std::cerr << name << ": " << tape::describe(first) << '\n';
+        break;
+      case Back::different:
+        ++different;
+        std::cerr << name << ": comes back different\n";
+        break;
+    }
+  }
+  std::cout << identical << " identical, " << refused << " with a character that has no code, " << different
+            << " different\n";
+  return different == 0 ? 0 : 2;
 }
 
 // @return 0, 1 (cannot be read or written) or 2 (something could not be converted).
@@ -107,8 +172,19 @@ void add_convert_tape(CLI::App& app, int& exit_status) {
                     "TV check does not count comments (No.0100#1)");
   command->add_flag("--fold-case", options->fold_case, "Lower-case letters become capitals");
   command->add_option("-o,--output", options->out, "File to write (standard output when left out)");
-  command->add_option("FILE", options->file, "File to read, - for standard input")->required();
-  command->callback([options, &exit_status] { exit_status = convert(*options); });
+  command->add_flag("--there-and-back", options->back,
+                    "Only prove for each FILE that ISO, the other code and ISO again give the same bytes");
+  command->add_option("FILE", options->files, "File to read, - for standard input")->required();
+  command->callback([options, &exit_status] {
+    if (options->back) {
+      exit_status = check_back(*options);
+    } else if (options->files.size() != 1) {
+      exit_status = fail("one FILE at a time");
+    } else {
+      options->file = options->files.front();
+      exit_status = convert(*options);
+    }
+  });
 }
 
 }  // namespace headstock::offline

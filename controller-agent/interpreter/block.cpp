@@ -2,6 +2,7 @@
 #include <bit>
 
 #include "interpreter/executor.hpp"
+#include "interpreter/handlers.hpp"
 
 namespace headstock::interp {
 namespace {
@@ -24,6 +25,7 @@ constexpr std::uint32_t kFeedSpindleTool = letters("FST");
 
 bool Executor::execute() {
   ++at.block;
+  at.part = 0;
   if (macros != nullptr) {
     motions_before = motions;
     move_calls = !frames.back().macro.modal_calls.empty();
@@ -51,9 +53,12 @@ bool Executor::execute_words() {
   if (!check_words() || !take_codes()) return false;
   if (surface.now.kind != SurfaceKind::none && !surface_allows()) return false;
   if (dialect.compensation.by_d && block.has('D') && !take_d()) return false;
+  if (length_sign != 0) tool_offset::follow_changes(*this);
   if (setting_count != 0 && !run_settings()) return false;
   if (switches.origin == ProgramOrigin::mdi && data.bit(dialect.modes.mdi_form_parameter))
     incremental = !data.bit(dialect.modes.mdi_absolute_parameter);
+  if (!dialect.tools.lathe && block.has('H') && !length_in_block() && !tool_offset::take_h(*this))
+    return false;
   if ((block.words & kFeedSpindleTool) != 0) {
     if (block.has('F') && !take_feed()) return false;
     if (block.has('S') && !take_spindle()) return false;
@@ -65,6 +70,7 @@ bool Executor::execute_words() {
   if (spindle_changed) emit_spindle();
   if (((block.words & dialect.corner_words) | block.marked) != 0 && !take_corner_words()) return false;
 
+  if (cycle.rigid_next && !rigid_tap_follows()) return false;
   // A move of an axis that the machine does not have must not be left out silently.
   if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters;
       wrong != 0 && (action == nullptr || !action->cycle) && !is_h_block()) {
@@ -83,7 +89,8 @@ bool Executor::execute_words() {
     if (motion_code->phase == Phase::unavailable) {
       return alarm(AlarmReason::g_unavailable, 0, std::string(motion_code->name));
     }
-    if (!motion_code->handler(*this)) return false;
+    const bool offset_only = (block.words & (axis_letters | letters("IJKR"))) == 0;
+    if (!(offset_only ? tool_offset::move_alone(*this) : motion_code->handler(*this))) return false;
   } else if (block.has('I') && motion_code->handler != nullptr) {
     // A full circle needs no axis word; a straight move ignores the word.
     code = motion_code;
@@ -100,6 +107,21 @@ bool Executor::execute_words() {
   if (block.m_count != 0 && !(run_m_codes(true) && run_program_flow())) return false;
   if (move_calls && motions != motions_before && !finished) return call_modal();
   return true;
+}
+
+// After M29 comes the tapping cycle, with no move before it (0i-D PS0204, GSK 2000TC 195).
+bool Executor::rigid_tap_follows() {
+  const GCode* next = action != nullptr ? action : cycle.hole.code != nullptr ? cycle.hole.code : motion_code;
+  const bool moves = (block.words & axis_letters) != 0;
+  if (!moves || next->cycle) return true;
+  return alarm(AlarmReason::rigid_tap_move, 0, "M29");
+}
+
+bool Executor::length_in_block() const {
+  for (std::size_t i = 0; i < setting_count; ++i) {
+    if (settings[i]->handler == handlers::length_offset) return true;
+  }
+  return false;
 }
 
 bool Executor::run_deferred() {
@@ -158,7 +180,8 @@ bool Executor::take_codes() {
     const GCode* row = table->find(written.tenths);
     if (row == nullptr) return alarm(AlarmReason::illegal_g, written, 'G');
     for (const Codes& absent : absent_codes) {
-      if (row->tenths >= absent.first && row->tenths <= absent.last) return alarm(AlarmReason::illegal_g, written, 'G');
+      if (row->tenths >= absent.first && row->tenths <= absent.last)
+        return alarm(AlarmReason::illegal_g, written, 'G');
     }
     if (row->group != 0) {
       const std::uint32_t bit = 1u << row->group;
@@ -271,6 +294,10 @@ bool Executor::run_m_codes(bool after_motion) {
         }
         break;
       case MAction::rigid_tapping:
+        // G84 and G88 as modal codes of group 01 (GSK 2000TC 196).
+        if (!after_motion && motion_code->cycle && (motion_code->tenths == 840 || motion_code->tenths == 880) &&
+            modal.g[motion_code->group] == motion_code->tenths)
+          return alarm(AlarmReason::rigid_tap_again, block.m[i], 'M');
         cycle.rigid_next = true;
         break;
       case MAction::machine:
@@ -285,6 +312,7 @@ bool Executor::run_m_codes(bool after_motion) {
         continue;  // program flow, not sent to the machine
     }
     if (is_after != after_motion) continue;
+    if (number >= 13 && number <= 15) cycle.driven_m = number == 15 ? 0 : number;
     if (!tool_life::take_m(*this, number, block.m[i].column)) return false;
     if (cycle.hole.code != nullptr && number != 0 && number == cycle.clamp_m) {
       cycle.hole.clamp = true;  // goes out when the hole's position is reached
@@ -328,6 +356,8 @@ bool Executor::run_program_flow() {
       case MAction::call: {
         if (cycle.hole.code != nullptr && (block.words & axis_letters) != 0 && macros != nullptr)
           return alarm(AlarmReason::call_in_hole_cycle, column, "M98");
+        if (dialect.compensation.calls_refused && pipeline.side() != 0)
+          return alarm(AlarmReason::compensation_call, column, "M98");
         if (dialect.calls.by_name) return alarm(AlarmReason::call_without_p, column, "M98");
         std::int64_t from_sequence = -1;
         if (macros != nullptr && block.has('Q') && data.bit(macros->rules.sequence_call_parameter)) {
@@ -356,6 +386,8 @@ bool Executor::run_program_flow() {
         return begin_search(from_sequence, block['Q'].column, AlarmReason::sequence_not_found);
       }
       case MAction::return_: {
+        if (dialect.compensation.calls_refused && pipeline.side() != 0 && frames.size() > 1)
+          return alarm(AlarmReason::compensation_call, column, "M99");
         std::int64_t sequence = -1;
         if (macros != nullptr && frames.back().macro.kind == CallKind::modal &&
             ((block.words & ~letters("PL")) != 0 || block.g_count != 0))

@@ -22,6 +22,7 @@ struct SourcePosition {
   std::uint32_t sequence = 0;     ///< last N number passed
   std::uint32_t block = 0;        ///< blocks begun in this run, macro statements not counted: 1 is the first
   std::uint64_t byte_offset = 0;  ///< of the block's first byte, for resuming a drip-feed
+  std::uint32_t part = 0;  ///< of the block: single block stops between two parts (traverses of a cycle)
 };
 
 inline constexpr std::size_t kModalGroups = 32;
@@ -261,6 +262,8 @@ struct Tap : Motion {
   double rpm = 0;       ///< spindle speed in force; 0 under `follows` when none was commanded
   SpindleDirection direction = SpindleDirection::cw;  ///< inward; outward is the other one
   double dwell_s = 0;  ///< at the bottom
+  std::uint8_t spindle = 0;  ///< 0: the main spindle; 1: a driven tool, which whoever has none must refuse
+  double out_ratio = 1;      ///< spindle speed on the way out, against `rpm`; the axis stays in step with it (extraction override, 0i-D No. 5211); > 0
 };
 
 using Operation =

@@ -74,7 +74,7 @@ bool Executor::take_corner_words() {
   if (!rules.enable_parameter.empty() && data.parameter(rules.enable_parameter, 1) == 0) {
     return alarm(AlarmReason::corner_unavailable, 0, {});
   }
-  pipeline.activate(machine_now);
+  pipeline.activate(machine_now, work_now);
 
   if (block.has_marked('C') && block.has_marked('R')) {
     return alarm(AlarmReason::corner_words, block.marked_at('R').column, "C R");

@@ -88,6 +88,7 @@ void Executor::set_switches(const Switches& wanted) {
   constexpr std::uint32_t kAll = (1u << 26) - 1;
   legal = switches.lenient ? kAll : numbers.addresses;
   may_point = switches.lenient ? kAll : numbers.pointed;
+  if (data.bit(numbers.pointed_counts_parameter)) may_point |= letters("PQ");
   may_minus = switches.lenient ? kAll : numbers.negative | axis_letters;
   if (other_system) power_on();
 }
@@ -314,9 +315,28 @@ bool Executor::alarm(AlarmReason reason, const program::Code& wrong, char letter
   return alarm(reason, wrong.column, std::move(text));
 }
 
+namespace {
+
+/// By which code of the block a value was written: histories name it.
+std::string_view change_source(const program::Block& block) {
+  struct Source {
+    std::int16_t tenths;
+    std::string_view name;
+  };
+  static constexpr Source kSources[] = {{100, "G10"},         {310, "measurement"}, {360, "measurement"},
+                                        {370, "measurement"}, {371, "measurement"}, {372, "measurement"},
+                                        {373, "measurement"}};
+  for (std::size_t i = 0; i < block.g_count; ++i)
+    for (const Source& source : kSources)
+      if (block.g[i].tenths == source.tenths) return source.name;
+  return "program";
+}
+
+}  // namespace
+
 void Executor::report_change(std::string what, double before, double after) {
   ++data.version;
-  if (changed && !restarting) changed({std::move(what), before, after});
+  if (changed && !restarting) changed({std::move(what), before, after, change_source(block)});
 }
 
 }  // namespace headstock::interp

@@ -31,6 +31,7 @@
 #include "interpreter/skip.hpp"
 #include "interpreter/surface.hpp"
 #include "interpreter/tool_life.hpp"
+#include "interpreter/tool_offset.hpp"
 #include "interpreter/transform.hpp"
 #include "machine/machine.hpp"
 #include "macro/environment.hpp"
@@ -196,6 +197,8 @@ struct Executor {
   bool is_h_block() const;
   bool take_codes();
   bool run_settings();
+  bool length_in_block() const;  ///< G43, G44 or G49
+  bool rigid_tap_follows();
   bool run_m_codes(bool after_motion);
   bool run_program_flow();
 
@@ -304,10 +307,10 @@ struct Executor {
   bool digits_fit(const program::Word& word, std::string_view parameter, std::string detail);
   char second_auxiliary() const;
   bool take_second_auxiliary(char letter);
-  bool apply_tool_offset(std::int64_t geometry, std::int64_t wear, std::uint32_t column);
 
   // ---- chamfers, corner rounds, angles (corner_words.cpp)
-  /// Reads the block's words for its corner and takes them out of `block.words`. @return false after an alarm.
+  /// Reads the block's words for its corner and takes them out of `block.words`. @return false after an
+  /// alarm.
   bool take_corner_words();
   /// After take_targets: the end point that the block's angle gives.
   bool take_angle(std::uint32_t& moved);
@@ -404,6 +407,7 @@ struct Executor {
   char auxiliary_letter = 0;        ///< of the second auxiliary function; 0: none
   bool one_digit_feed = false;      ///< F1…F9 are digits
   ToolLife life;
+  ToolOffsetState tool_offset;
   bool one_digit_rapid = false;  ///< F0 of one-digit feed: cutting moves run at the rapid rate
   AxisVector increment_limit{};  ///< G91.1, programming units; 0: none
   double unit_mm = 1;            ///< mm of a programming unit
@@ -455,7 +459,8 @@ struct Executor {
 
   // ---- chamfers, corner rounds, G41/G42
   Pipeline pipeline;
-  std::array<std::int64_t, 2> angle_from{};  ///< programmed position of the plane's axes before an angle block
+  std::array<std::int64_t, 2>
+      angle_from{};  ///< programmed position of the plane's axes before an angle block
 
   // ---- results of the block
   Operation* out = nullptr;

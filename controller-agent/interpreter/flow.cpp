@@ -408,7 +408,11 @@ bool Executor::begin_again(Frame& frame) {
   macro.next = macro.code != nullptr ? macro.code->find(0) : nullptr;
   macro.displaced = true;
   macro.place = {};
-  if (frame.reader != nullptr && !frame.reader->can_seek()) return alarm(AlarmReason::input_failed, 0);
+  if (frame.reader != nullptr && !frame.reader->can_seek()) {
+    if (!macro.external) return alarm(AlarmReason::input_failed, 0);
+    frame.reader.reset();  // the external device is asked for it again
+    macro.displaced = false;
+  }
   if (macro.start_sequence >= 0)
     return begin_search(macro.start_sequence, 0, AlarmReason::sequence_not_found);
   return true;

@@ -18,6 +18,9 @@ void Interpreter::set_switches(const Switches& switches) {
 void Interpreter::on_data_change(DataChanged callback) {
   executor_->changed = std::move(callback);
 }
+void Interpreter::data_edited() {
+  executor_->update_zeros();
+}
 void Interpreter::set_environment(macro::Environment* environment) {
   executor_->environment = environment != nullptr ? environment : &executor_->offline;
   if (executor_->macros != nullptr) executor_->macros->environment = executor_->environment;

@@ -90,6 +90,8 @@ class Interpreter {
 
   void set_switches(const Switches& switches);
   void on_data_change(DataChanged callback);
+  /// Offsets or parameters were changed by hand while no program runs: positions are shown with the new ones.
+  void data_edited();
   /// What macros ask of the running machine. Must outlive the interpreter; nullptr: the offline default.
   void set_environment(macro::Environment* environment);
 

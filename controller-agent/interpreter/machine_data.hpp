@@ -52,6 +52,7 @@ struct DataChange {
   std::string what;  ///< "tool/3/geometry/X", "work/G54/Z", "parameter/3402#0", "variable/500"
   double before = 0;
   double after = 0;
+  std::string_view source = "program";  ///< a constant: "G10", "measurement" (G36, G37 …), otherwise "program"
 };
 using DataChanged = std::function<void(const DataChange&)>;
 

@@ -140,14 +140,36 @@ LinkSettings default_settings(std::string_view protocol) {
   return settings;
 }
 
-SendRules send_rules(const LinkSettings& settings) {
+namespace {
+
+/// Characters that a line sends while one goes there and back, beyond the one itself.
+std::int64_t on_the_way(const LinkSettings& settings, Duration round_trip) {
+  const auto character = std::chrono::duration_cast<Duration>(settings.line.character_time());
+  const Duration delay = round_trip - character;
+  if (delay <= Duration::zero()) return 0;
+  return (delay.count() + character.count() - 1) / character.count();
+}
+
+}  // namespace
+
+std::uint32_t window_of(const LinkSettings& settings, Duration round_trip) {
+  const std::int64_t room = std::int64_t{settings.after_stop} - kMargin - on_the_way(settings, round_trip);
+  return static_cast<std::uint32_t>(std::max<std::int64_t>(room, 1));
+}
+
+std::int64_t stop_margin(const LinkSettings& settings, Duration round_trip) {
+  return std::int64_t{settings.after_stop} - window_of(settings, round_trip) -
+         on_the_way(settings, round_trip);
+}
+
+SendRules send_rules(const LinkSettings& settings, Duration round_trip) {
   const Protocol* const row = protocol_named(settings.protocol);
   SendRules rules;
   rules.wait_for_start = row != nullptr && row->wait_for_start;
   rules.obey_dc = settings.line.software();
   rules.obey_cts = settings.line.hardware();
   rules.character = std::chrono::duration_cast<Duration>(settings.line.character_time());
-  rules.window = std::max(settings.after_stop, kMargin + 1) - kMargin;
+  rules.window = window_of(settings, round_trip);
   if (row != nullptr && row->end_byte) rules.ending.assign(1, static_cast<char>(*row->end_byte));
   rules.start_limit = std::chrono::seconds(settings.start_limit_s);
   rules.hold_limit = std::chrono::seconds(settings.hold_limit_s);
@@ -166,6 +188,7 @@ ReceiveRules receive_rules(const LinkSettings& settings) {
   rules.end_of_block = byte_of(settings, settings.end_of_block == EndOfBlock::cr ? '\r' : '\n');
   rules.quiet = std::chrono::milliseconds(settings.quiet_ms);
   rules.start_limit = std::chrono::seconds(settings.start_limit_s);
+  rules.total_limit = std::chrono::seconds(settings.punch_limit_s);
   rules.most_bytes = settings.most_bytes;
   rules.software_handshake = settings.line.software();
   return rules;

@@ -46,14 +46,25 @@ struct LinkSettings {
   bool tv_check = false;
   std::uint32_t after_stop = 10;
   std::uint32_t block_delay_ms = 0;
-  std::uint32_t start_limit_s = 600, hold_limit_s = 0;  ///< 0: no limit
+  /// 0: no limit. A drip-feed may be held for as long as the control likes, whatever `hold_limit_s` says.
+  std::uint32_t start_limit_s = 600, hold_limit_s = 600;
   std::uint32_t quiet_ms = 5'000;
-  std::uint64_t most_bytes = 256ull << 20;
+  std::uint32_t punch_limit_s = 14'400;    ///< a punch that takes longer does not end; 0: no limit
+  std::uint64_t most_bytes = 16ull << 20;  ///< of one punch
 };
 /// The settings of a protocol's row; throws std::invalid_argument for an unknown name.
 LinkSettings default_settings(std::string_view protocol);
 
-SendRules send_rules(const LinkSettings& settings);
+/// Characters that may be under way, so that after its DC3 a control gets no more than it takes
+/// (`after_stop`), two characters of margin kept. @param round_trip of one character to the far end and back,
+/// as the loop-back test measures it: what a USB adapter or a serial-device server holds back counts as under
+/// way. 0: not measured.
+/// @return at least 1.
+std::uint32_t window_of(const LinkSettings& settings, Duration round_trip = {});
+/// What is left of `after_stop` behind the window and the way there and back; below 0: this line cannot be
+/// stopped in time at this speed.
+std::int64_t stop_margin(const LinkSettings& settings, Duration round_trip);
+SendRules send_rules(const LinkSettings& settings, Duration round_trip = {});
 ReceiveRules receive_rules(const LinkSettings& settings);
 tape::PunchFormat punch_format(const LinkSettings& settings);
 tape::ReadFormat read_format(const LinkSettings& settings);

@@ -56,6 +56,7 @@ void Receiver::on_bytes(std::string_view bytes, Time now, std::string& data) {
   for (const char byte : bytes) {
     if (over()) return;
     last_byte_ = now;
+    if (began_ == Time{}) began_ = now;
     if (rules_.punch_codes && is_code(byte, tape::dc2, rules_.iso)) {
       if (state_ == State::waiting) state_ = State::receiving;
       continue;
@@ -103,6 +104,8 @@ void Receiver::cancel(Time now, std::string_view reason) {
 
 void Receiver::tick(Time now) {
   if (over()) return;
+  if (rules_.total_limit > Duration::zero() && began_ != Time{} && now - began_ >= rules_.total_limit)
+    return end(State::failed, "never_ends", now);
   if (significant_ == 0) {
     if (rules_.start_limit > Duration::zero() && now - since_ >= rules_.start_limit)
       end(State::failed, fault_reason_.empty() ? "nothing_came" : fault_reason_, now);

@@ -30,7 +30,8 @@ struct ReceiveRules {
   Duration quiet = std::chrono::seconds(5);  ///< nothing more for so long: the other side has finished
   Duration quiet_after_percent = std::chrono::milliseconds(500);
   Duration start_limit = std::chrono::minutes(10);  ///< 0: no limit
-  std::uint64_t most_bytes = 256ull << 20;
+  Duration total_limit{};                           ///< from the first character on; 0: no limit
+  std::uint64_t most_bytes = 16ull << 20;
   bool software_handshake = true;  ///< DC3 and DC1 to the sender when bytes cannot be stored fast enough
   std::size_t backlog_high = 1u << 20, backlog_low = 256u << 10;
 };
@@ -48,13 +49,15 @@ class Receiver {
   void on_backlog(std::size_t bytes);
   void cancel(Time now, std::string_view reason = "cancelled");
   void tick(Time now);
+  /// We have asked the other side to stop: on_backlog() has to be told when there is room again.
+  bool stopped() const { return stopped_; }
   /// Steering codes to be written now; empty when none.
   std::string take_output();
   Time wake(Time now) const;
 
   State state() const { return state_; }
   bool over() const { return state_ >= State::done; }
-  /// nothing_came, too_large, line_parity, disconnected, cancelled …
+  /// nothing_came, too_large, never_ends, line_parity, disconnected, cancelled …
   const std::string& reason() const { return reason_; }
   /// Whether the punch ended as it should (DC4, end byte, second %), or only fell silent.
   bool closed() const { return closed_; }
@@ -74,7 +77,7 @@ class Receiver {
   bool closed_ = false, stopped_ = false, line_start_ = true, percent_line_ = false;
   unsigned percents_ = 0;
   std::uint64_t significant_ = 0;
-  Time since_, last_byte_;
+  Time since_, last_byte_, began_{};
 };
 
 std::string_view name_of(Receiver::State state);

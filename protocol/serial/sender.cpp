@@ -60,6 +60,7 @@ void Sender::enter(State state, Time now) {
     counters_.held += now - since_;
     counters_.longest_hold = std::max(counters_.longest_hold, now - since_);
   }
+  if (state_ == State::sending) counters_.sending += now - since_;
   state_ = state;
   since_ = now;
   if (state == State::sending) last_progress_ = now;
@@ -88,6 +89,8 @@ void Sender::on_bytes(std::string_view bytes, Time now) {
       ++counters_.stops;
       counters_.most_after_stop =
           std::max(counters_.most_after_stop, static_cast<std::uint32_t>(pacer_.in_flight(now)));
+      if (pacer_.empty_at() > now)
+        counters_.longest_stop = std::max(counters_.longest_stop, pacer_.empty_at() - now);
       stopped_ = true;
     } else if (code == tape::dc1 && (rules_.obey_dc || rules_.wait_for_start)) {
       ++counters_.starts;

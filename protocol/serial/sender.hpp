@@ -63,6 +63,8 @@ struct SendCounters {
   std::uint32_t most_after_stop = 0;  ///< worst number of characters under way when a DC3 was seen
   Duration held{}, longest_hold{};    ///< by the control
   Duration starved{};                 ///< allowed to send, line idle: we were late
+  Duration longest_stop{};            ///< from a DC3 until the last character under way was out
+  Duration sending{};                 ///< allowed to send and sending
 };
 
 class Sender {

@@ -1,9 +1,11 @@
 #include "server/dnc/outgoing.hpp"
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 
 #include "db/hash.hpp"
+#include "protocol/tape/decoder.hpp"
 
 namespace headstock::dnc {
 namespace {
@@ -103,6 +105,46 @@ OutgoingFacts examine(const OutgoingText& text, const PortSettings& settings) {
   hash.add(ending);
   facts.sha256 = hash.hex();
   return facts;
+}
+
+Tail tail_of(const OutgoingText& text, const PortSettings& settings, std::int64_t from_line,
+             std::uint64_t bytes) {
+  constexpr std::size_t kKept = 400;
+  Tail tail;
+  tail.known = true;
+  tape::Filter filter(settings.filter);
+  tape::Encoder encoder(serial::punch_format(settings.link));
+  std::string kept;
+  std::uint64_t made = 0;
+  std::string thinned, coded;
+  // @return whether all of this had gone out.
+  const auto went = [&](std::string_view piece, bool last) {
+    thinned.clear();
+    coded.clear();
+    if (last)
+      filter.finish(thinned);
+    else
+      filter.put(piece, thinned);
+    encoder.put(thinned, coded);
+    if (last) encoder.finish(coded);
+    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(coded.size(), bytes - made));
+    kept.append(coded, 0, count);
+    if (kept.size() > 4 * kKept) kept.erase(0, kept.size() - kKept);
+    made += count;
+    return count == coded.size();
+  };
+  bool whole = text.header.empty() || went(text.header, false);
+  std::ifstream in(text.file, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(text.offset));
+  std::int64_t line = from_line;
+  for (std::string one; whole && made < bytes && std::getline(in, one); ++line) {
+    whole = went(one + "\n", false);
+    if (whole) tail.line = line;
+  }
+  if (whole && made < bytes) went("", true);
+  if (kept.size() > kKept) kept.erase(0, kept.size() - kKept);
+  tail.text = tape::decoded(kept, serial::read_format(settings.link));
+  return tail;
 }
 
 std::unique_ptr<serial::Source> outgoing(const OutgoingText& text, const PortSettings& settings) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "protocol/serial/sender.hpp"
+#include "server/dnc/dnc.hpp"
 #include "server/dnc/settings.hpp"
 
 namespace headstock::dnc {
@@ -27,6 +28,10 @@ struct OutgoingFacts {
 
 /// Worker. Reads it all.
 OutgoingFacts examine(const OutgoingText& text, const PortSettings& settings);
+/// What the first `bytes` characters of it were: their end as text, and the last line of the file that went
+/// out whole. Worker. @param from_line that `text.offset` belongs to.
+Tail tail_of(const OutgoingText& text, const PortSettings& settings, std::int64_t from_line,
+             std::uint64_t bytes);
 /// The same bytes, piece by piece.
 std::unique_ptr<serial::Source> outgoing(const OutgoingText& text, const PortSettings& settings);
 

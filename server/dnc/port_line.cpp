@@ -131,16 +131,15 @@ struct PortLine::Impl : std::enable_shared_from_this<Impl> {
     back([report](PortEvents& to) { to.sending(report); });
   }
 
-  void send(std::shared_ptr<std::unique_ptr<serial::Source>> source) {
+  void send(const serial::SendRules& rules, std::shared_ptr<std::unique_ptr<serial::Source>> source) {
     // A listening port may have begun to take a punch.
     if (line && line->busy()) return send_failed("busy", "");
     with_line(
-        [this, source] {
-          line->send(serial::send_rules(settings.link), std::move(*source),
-                     [this](const serial::SendReport& report) {
-                       back([report](PortEvents& to) { to.sending(report); });
-                       if (report.over()) rest();
-                     });
+        [this, rules, source] {
+          line->send(rules, std::move(*source), [this](const serial::SendReport& report) {
+            back([report](PortEvents& to) { to.sending(report); });
+            if (report.over()) rest();
+          });
         },
         [this](const std::string& reason, const std::string& text) { send_failed(reason, text); });
   }
@@ -162,7 +161,10 @@ struct PortLine::Impl : std::enable_shared_from_this<Impl> {
                 back([report, text = report.over() ? text : nullptr](PortEvents& to) {
                   to.receiving(report, text);
                 });
-                if (report.over()) rest();
+                if (!report.over()) return;
+                deaf = report.reason == "too_large" || report.reason == "never_ends";
+                last_idle = serial::Clock::now();
+                rest();
               });
         },
         [this](const std::string& reason, const std::string& detail) {
@@ -176,6 +178,12 @@ struct PortLine::Impl : std::enable_shared_from_this<Impl> {
 
   void idle(std::string_view bytes) {
     if (!listens || !line || line->busy()) return;
+    // The rest of a punch that was too much is not the beginning of the next one.
+    const auto now = serial::Clock::now();
+    const bool still =
+        now - std::exchange(last_idle, now) < std::chrono::milliseconds(settings.link.quiet_ms);
+    if (deaf && still) return;
+    deaf = false;
     receive(std::string(bytes));
   }
 
@@ -206,6 +214,8 @@ struct PortLine::Impl : std::enable_shared_from_this<Impl> {
   std::function<void()> pending;
   std::function<void(const std::string&, const std::string&)> pending_failed;
   std::string last_state = "closed";
+  bool deaf = false;  ///< until the line has been quiet
+  serial::Time last_idle{};
   bool ended = false;      ///< lines' thread
   bool forgotten = false;  ///< network thread
 };
@@ -226,9 +236,9 @@ PortLine::~PortLine() {
   });
 }
 
-void PortLine::send(std::unique_ptr<serial::Source> source) {
+void PortLine::send(serial::SendRules rules, std::unique_ptr<serial::Source> source) {
   const auto shared = std::make_shared<std::unique_ptr<serial::Source>>(std::move(source));
-  impl_->there([shared](Impl& self) { self.send(shared); });
+  impl_->there([rules = std::move(rules), shared](Impl& self) { self.send(rules, shared); });
 }
 
 void PortLine::receive() {

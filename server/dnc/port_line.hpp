@@ -58,7 +58,7 @@ class PortLine {
   ~PortLine();
 
   // Network thread. One job at a time: the caller sees to it.
-  void send(std::unique_ptr<serial::Source> source);
+  void send(serial::SendRules rules, std::unique_ptr<serial::Source> source);
   void receive();
   void loop_test(std::size_t characters);
   void pause();

@@ -6,6 +6,7 @@
 #include "db/refusal.hpp"
 #include "protocol/serial/port/port.hpp"
 #include "server/access/audit.hpp"
+#include "server/dnc/agent_port.hpp"
 #include "server/dnc/settings.hpp"
 #include "server/library/programs.hpp"
 
@@ -24,6 +25,13 @@ T field(const json& fields, const char* name, const T& otherwise) {
   }
 }
 
+/// The server opens what is written here: devices, nothing else of the file system.
+void demand_line(const std::string& text) {
+  const auto address = serial::address_of(text);
+  if (!address || (address->kind == serial::PortAddress::tty && !address->device.starts_with("/dev/")))
+    throw db::Refusal("bad_value", "address");
+}
+
 void take(db::Database& db, const json& fields, db::PortRow& port) {
   port.name = field(fields, "name", port.name);
   library::demand_good_name(port.name);
@@ -33,14 +41,16 @@ void take(db::Database& db, const json& fields, db::PortRow& port) {
       fields.contains("machine") && fields["machine"].is_null() ? 0 : field(fields, "machine", port.machine);
   if (port.machine != 0 && !db::machine(db, port.machine)) throw db::Refusal("not_found", "machine");
   port.address = field(fields, "address", port.address);
-  const auto address = serial::address_of(port.address);
-  // The server opens what is written here: devices, nothing else of the file system.
-  if (!address || (address->kind == serial::PortAddress::tty && !address->device.starts_with("/dev/")))
-    throw db::Refusal("bad_value", "address");
+  if (const auto agent = agent_of(port.address); agent != 0) {
+    if (!db::machine(db, agent)) throw db::Refusal("not_found", "machine");
+    port.machine = agent;
+  } else {
+    demand_line(port.address);
+  }
   for (const auto& row : db::ports(db))
     if (row.id != port.id && row.address == port.address) throw db::Refusal("name_taken", "address");
   if (fields.contains("settings")) port.settings_json = to_json(settings_from(fields["settings"])).dump();
-  port.listens = field(fields, "listens", port.listens);
+  port.listens = agent_of(port.address) == 0 && field(fields, "listens", port.listens);
   port.folder = library::clean_folder(field(fields, "folder", port.folder));
   port.name_rule = field(fields, "name_rule", port.name_rule);
   if (port.name_rule != "number" && port.name_rule != "comment") throw db::Refusal("bad_value", "name_rule");

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "db/plan_store.hpp"
 #include "db/refusal.hpp"
 #include "protocol/tape/decoder.hpp"
+#include "protocol/tape/machine_data.hpp"
 #include "protocol/tape/punch.hpp"
 #include "server/access/audit.hpp"
 #include "server/library/programs.hpp"
@@ -36,6 +38,22 @@ db::ReceivedRow decide(db::Database& db, const access::Actor& actor, std::int64_
   access::record(db, actor, std::string("received.").append(state), access::subject("received", id),
                  {{"name", row->name}, {"sha256", row->sha256}, {"why", why}});
   return *row;
+}
+
+void keep_data(db::Database& db, const db::Blobs& blobs, const db::ReceivedRow& row,
+               const access::Actor& actor, std::int64_t now_ms) {
+  db::PunchedDataRow data;
+  data.received = row.id;
+  data.port = row.port;
+  data.machine = row.machine;
+  data.kind = row.kind;
+  data.name = row.name;
+  data.sha256 = row.sha256;
+  data.entries = static_cast<std::int64_t>(tape::machine_data(blobs.map(row.sha256)->view()).size());
+  data.by = actor.user;
+  data.punched_ms = row.at_ms;
+  data.accepted_ms = now_ms;
+  db::insert_punched_data(db, data);
 }
 
 }  // namespace
@@ -120,8 +138,8 @@ std::vector<std::int64_t> keep(db::Database& db, const db::Blobs& blobs, Punch p
   return ids;
 }
 
-db::ReceivedRow accept(db::Database& db, const access::Actor& actor, std::int64_t id, const std::string& why,
-                       std::int64_t now_ms) {
+db::ReceivedRow accept(db::Database& db, const db::Blobs& blobs, const access::Actor& actor, std::int64_t id,
+                       const std::string& why, std::int64_t now_ms) {
   access::demand(actor, access::Action::upload_program);
   db::Transaction transaction(db);
   auto row = decide(db, actor, id, "accepted", why, now_ms);
@@ -133,13 +151,15 @@ db::ReceivedRow accept(db::Database& db, const access::Actor& actor, std::int64_
     const auto added = library::add_revision(db, actor, {row.folder, row.name}, *blob,
                                              why.empty() ? "from machine" : why, origin, now_ms);
     row.program = added.program.id;
+  } else {
+    keep_data(db, blobs, row, actor, now_ms);
   }
   transaction.commit();
   return row;
 }
 
-db::ReceivedRow reject(db::Database& db, const access::Actor& actor, std::int64_t id, const std::string& why,
-                       std::int64_t now_ms) {
+db::ReceivedRow reject(db::Database& db, const db::Blobs&, const access::Actor& actor, std::int64_t id,
+                       const std::string& why, std::int64_t now_ms) {
   access::demand(actor, access::Action::upload_program);
   db::Transaction transaction(db);
   auto row = decide(db, actor, id, "rejected", why, now_ms);

@@ -35,11 +35,11 @@ Punch take_apart(const std::string& bytes, bool closed, const PortSettings& sett
 std::vector<std::int64_t> keep(db::Database& db, const db::Blobs& blobs, Punch punch, const db::PortRow& port,
                                std::int64_t transfer, std::int64_t now_ms);
 
-/// A received program becomes a new revision (origin "machine:N" or "port:N"), machine data are marked as
-/// kept. Refusals: forbidden, not_found, already_decided.
-db::ReceivedRow accept(db::Database& db, const access::Actor& actor, std::int64_t id, const std::string& why,
-                       std::int64_t now_ms);
-db::ReceivedRow reject(db::Database& db, const access::Actor& actor, std::int64_t id, const std::string& why,
-                       std::int64_t now_ms);
+/// A received program becomes a new revision (origin "machine:N" or "port:N"), machine data a set of its
+/// machine (db/plan_store.hpp). Refusals: forbidden, not_found, already_decided.
+db::ReceivedRow accept(db::Database& db, const db::Blobs& blobs, const access::Actor& actor, std::int64_t id,
+                       const std::string& why, std::int64_t now_ms);
+db::ReceivedRow reject(db::Database& db, const db::Blobs& blobs, const access::Actor& actor, std::int64_t id,
+                       const std::string& why, std::int64_t now_ms);
 
 }  // namespace headstock::dnc

@@ -68,6 +68,7 @@ json to_json(const PortSettings& settings) {
           {"start_limit_s", link.start_limit_s},
           {"hold_limit_s", link.hold_limit_s},
           {"quiet_ms", link.quiet_ms},
+          {"punch_limit_s", link.punch_limit_s},
           {"most_bytes", link.most_bytes},
           {"strip_spaces", filter.strip_spaces},
           {"strip_comments", filter.strip_comments},
@@ -118,6 +119,7 @@ PortSettings settings_from(const json& from) {
   take(from, "start_limit_s", link.start_limit_s, 0, 1'000'000);
   take(from, "hold_limit_s", link.hold_limit_s, 0, 1'000'000);
   take(from, "quiet_ms", link.quiet_ms, 100, 600'000);
+  take(from, "punch_limit_s", link.punch_limit_s, 0, 1'000'000);
   take(from, "most_bytes", link.most_bytes, 1, 256ull << 20);
   take(from, "strip_spaces", filter.strip_spaces);
   take(from, "strip_comments", filter.strip_comments);

@@ -51,8 +51,6 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     await shop.call("POST", `/programs/${made.program.id}/revisions/1/release`, { why: "test" });
     browser = await openBrowser();
     page = browser.page;
-    await shop.call("POST", "/session/password", { old: shop.password, new: "a good Passw0rd" });
-    shop.password = "a good Passw0rd";
     await signIn(page, shop);
   });
   after(async () => {
@@ -117,6 +115,12 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     await page.locator("[data-tab=history]").click();
     await page.locator("[data-history]").first().getByText("Done").waitFor();
     await shoot("dnc-history-en");
+    await page.locator("[data-history] [data-action=certificate]").first().click();
+    const tail = page.locator("[data-dialog=certificate] [data-tail]");
+    await tail.waitFor();
+    assert.ok((await tail.textContent()).endsWith("M30\n%\n"));
+    await shoot("dnc-certificate-en");
+    await page.keyboard.press("Escape");
   });
 
   it("shows the restart header and sends nothing before it is confirmed", async () => {
@@ -124,10 +128,12 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     await page.locator("[data-action=send]").click();
     const dialog = page.locator("[data-dialog=port-send]");
     await dialog.locator("[data-field=program]").selectOption({ index: 0 });
-    await dialog.locator("[data-field=line]").fill("20");
+    await dialog.locator("[data-field=by]").selectOption("sequence");
+    await dialog.locator("[data-field=line]").fill("115");
     await dialog.locator("[data-action=ask-restart]").click();
     const header = dialog.locator("[data-field=header]");
     await until("the header", async () => (await header.inputValue()).includes("S2000 M03"));
+    await dialog.getByText("N115 G01").waitFor();
     assert.ok(await dialog.locator("[data-action=send-now]").isDisabled());
     await shoot("dnc-restart-en");
     await dialog.locator("[data-field=read]").check();
@@ -138,6 +144,26 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     await page.locator("[data-action=cancel]").click();
     await page.locator("[data-port-transfer]").waitFor({ state: "detached" });
     assert.ok(control.text.toString("latin1").startsWith(iso("%\nO2001(PLATE)\n(RESTART").toString("latin1")));
+  });
+
+  it("plans a transfer and takes it back", async () => {
+    await page.locator("[data-action=send]").click();
+    const dialog = page.locator("[data-dialog=port-send]");
+    await dialog.locator("[data-field=program]").selectOption({ index: 0 });
+    await dialog.locator("[data-field=when]").selectOption("time");
+    assert.ok(await dialog.locator("[data-action=send-now]").isDisabled(), "no time, no plan");
+    await dialog.locator("[data-field=time]").fill("2099-01-31T06:00");
+    await dialog.locator("[data-action=send-now]").click();
+    await dialog.getByText("cannot be used").waitFor();   // too far
+    const soon = new Date(Date.now() + 26 * 3_600_000);
+    await dialog.locator("[data-field=time]").fill(new Date(soon.getTime() - soon.getTimezoneOffset() * 60_000).toISOString().slice(0, 16));
+    await shoot("dnc-plan-en");
+    await dialog.locator("[data-action=send-now]").click();
+    await dialog.waitFor({ state: "detached" });
+    await page.locator("[data-plan][data-state=planned]").waitFor();
+    await shoot("dnc-planned-en");
+    await page.locator("[data-action=unplan]").click();
+    await page.locator("[data-plan]").waitFor({ state: "detached" });
   });
 
   it("keeps a punch apart until somebody accepts it", async () => {
@@ -156,6 +182,33 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     assert.equal(revisions.length, 2);
     assert.match(revisions[0].origin, /^machine:/);
     assert.equal(revisions[0].released, null);
+  });
+
+  it("shows what lies in the machines and what changed in their data", async () => {
+    await page.locator("[data-tab=census]").click();
+    await page.locator("[data-resident=O2001][data-state=older]").waitFor();
+    await shoot("dnc-census-en");
+    for (const wear of ["-1.25", "-1.5"]) {
+      await page.locator("[data-tab=ports]").click();
+      await page.locator("[data-port-state=listening]").waitFor();
+      control.punch(`%\nG10 G90 L10 P1 R120.5\nG10 G90 L11 P1 R${wear}\n%\n`);
+      await page.locator("[data-tab=received] .count").waitFor({ timeout: 60_000 });
+      await page.locator("[data-tab=received]").click();
+      await page.locator("[data-received][data-state=waiting] [data-action=look]").first().click();
+      await page.locator("[data-dialog=received] [data-action=accept]").click();
+      await page.locator("[data-dialog=received]").waitFor({ state: "detached" });
+      await page.locator("[data-tab=received] .count").waitFor({ state: "detached" });
+    }
+    await page.locator("[data-tab=data]").click();
+    await page.locator("[data-punched] [data-action=look]").first().click();
+    const change = page.locator("[data-dialog=machine-data] [data-change]");
+    await change.filter({ hasText: "-1.25" }).filter({ hasText: "-1.5" }).waitFor();
+    await shoot("dnc-data-en");
+    await page.keyboard.press("Escape");
+    await useLanguage(page, "zh");
+    await page.locator("[data-tab=census]").click();
+    await page.getByText("不是发布版本").first().waitFor();
+    await shoot("dnc-census-zh");
     assert.deepEqual(browser.problems, []);
   });
 });

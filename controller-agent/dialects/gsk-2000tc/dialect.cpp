@@ -42,7 +42,11 @@ Dialect make_gsk_2000tc() {
   d.calls.l_repeats = true;  // E5
   d.calls.most_repeats = 9'999;
   d.tools.most_offsets = 32;
-  d.corner_words = letters("LD");  // L2270
+  d.tool_offsets.shift_parameter = "S003.4";
+  d.tool_offsets.shift_default = 1;
+  d.tool_offsets.radius_parameter = "S004.4";
+  d.tool_offsets.moves_first = true;  // L1637
+  d.corner_words = letters("LD");     // L2270
   d.may_repeat = letters("STHL");
   d.both_forms = BothForms::absolute_wins;  // L572
   d.end_of_text = EndOfText::end;

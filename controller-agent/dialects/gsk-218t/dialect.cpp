@@ -41,6 +41,10 @@ Dialect make_gsk_218t() {
   d.threads.lead_along_path = true;
   d.calls.most_repeats = 999;
   d.tools.most_offsets = 64;
+  d.tool_offsets.shift_parameter = "P002.0";
+  d.tool_offsets.radius_parameter = "P002.5";
+  d.tool_offsets.reset_clears = true;
+  d.tool_offsets.reset_keeps_parameter = "P002.6";
   d.same_group = Repeated::alarm;
   d.both_forms = BothForms::alarm;
   d.longest_block = 255;

@@ -87,6 +87,10 @@ Dialect make_k2000tc() {
                                 {R::no_intermediate, "PS0093"},
                                 {R::machine_incremental, "PS0241"},
                                 {R::offset_number, "PS0030"},
+                                {R::measure_signal, "PS0080"},
+                                {R::measure_number, "PS0081"},
+                                {R::measure_with_offset, "PS0082"},
+                                {R::measure_axis, "PS0083"},
                                 {R::data_input, "PS0032"},
                                 {R::data_value, "PS0032"},
                                 {R::call_without_p, "PS0078"},
@@ -122,11 +126,21 @@ Dialect make_k2000tc() {
   d.numbers.most_digits = 17;               // only the digits left after cutting count
   d.numbers.addresses = letters("ABCDEFHIJKLPQRSTUVWXYZ");
   d.numbers.pointed = letters("ABCEFHIJKQRUVWXYZ");
+  d.numbers.pointed_counts_parameter = "P3300.1";  // PQDOT
   d.numbers.negative = letters("ABCHIJKQRUVWXYZ");
   d.arcs = {.tolerance_mm = 0.01, .tolerance_parameter = "P6450"};
   d.threads = {.inch_word = true, .f_and_i_is_alarm = true, .f_is_feed_too = true};
   d.calls = {.nesting = 63, .l_repeats = false, .most_repeats = 9'999};
   d.tools = {.lathe = true, .offset_digits = 2, .sign = 1, .most_offsets = 32};
+  d.tool_offsets.by_shift = false;  // L15039: the T block moves
+  d.tool_offsets.radius_parameter = "P3200.4";
+  d.tool_offsets.axis_parameter = "P3201.0";
+  d.measure = {.feed = {"P4610", {}, {}},
+               .gamma = {"P4611", {}, {}},
+               .epsilon = {"P4612", {}, {}},
+               .axis = {'X', 'Z'},
+               .subtract_parameter = {},
+               .into_geometry = true};
   d.corner_words = letters("IJKRCA");
   d.both_forms = BothForms::alarm;
   d.end_of_text = EndOfText::end;  // `%` without M30: reset state (L9340)

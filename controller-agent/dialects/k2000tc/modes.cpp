@@ -269,9 +269,8 @@ void Language::set_diameter(Executor& ex, std::size_t axis, bool diameter) {
 }
 
 void Language::cancel_tool_offset(Executor& ex) {
-  for (auto& axis : ex.axes) axis.zero_tool = 0;
+  for (std::size_t i = 0; i < ex.axes.size(); ++i) interp::tool_offset::drop(ex, i);
   ex.modal.offset = 0;
-  ex.update_zeros();
 }
 
 bool Language::cartesian_axes(const Executor& ex, std::uint8_t (&axes)[3]) const {

@@ -13,6 +13,7 @@ namespace asio = boost::asio;
 
 constexpr auto kReportEvery = std::chrono::milliseconds(200);
 constexpr auto kLoopSilence = std::chrono::seconds(2);
+constexpr auto kBacklog = std::chrono::milliseconds(20);
 constexpr auto kDeviceFull = std::chrono::milliseconds(2);
 
 std::int64_t unix_ms() {
@@ -209,6 +210,7 @@ struct Line::Impl final : PortListener, std::enable_shared_from_this<Impl> {
     const auto job = receiving;
     Receiver& receiver = job->receiver;
     const Time now = Clock::now();
+    if (receiver.stopped()) receiver.on_backlog(job->store({}));
     receiver.tick(now);
     to_write += receiver.take_output();
     to_write.erase(0, write(to_write));
@@ -224,7 +226,9 @@ struct Line::Impl final : PortListener, std::enable_shared_from_this<Impl> {
                                  receiver.bytes(), receiver.closed(), receiver.faults()};
       if (job->changed) job->changed(report);
     }
-    if (receiving == job) wake_at(to_write.empty() ? receiver.wake(now) : now + kDeviceFull);
+    if (receiving != job) return;
+    const Time wake = receiver.stopped() ? now + kBacklog : receiver.wake(now);
+    wake_at(to_write.empty() ? wake : now + kDeviceFull);
   }
 
   void looped(std::string_view bytes, Time now) {

@@ -66,7 +66,8 @@ class Line {
   /// Starts a job; the line must be open and not busy. `changed` comes with every change of state, at most
   /// five times a second with progress, and once at the end (report.over()).
   void send(SendRules rules, std::unique_ptr<Source> source, std::function<void(const SendReport&)> changed);
-  /// @param store takes data; returns how many bytes it has not put away yet.
+  /// @param store takes data; returns how many bytes it has not put away yet. While the other side is stopped because
+  /// of them it is asked again with nothing.
   void receive(const ReceiveRules& rules, std::function<std::size_t(std::string_view)> store,
                std::function<void(const ReceiveReport&)> changed);
   /// Feeds bytes that came while idle into a receive job that begins because of them.

@@ -5,6 +5,7 @@
 #include "db/program_store.hpp"
 #include "db/store.hpp"
 #include "db/time.hpp"
+#include "server/api/routes/port_json.hpp"
 #include "server/api/routes/routes.hpp"
 #include "server/api/shapes.hpp"
 #include "server/dnc/dnc.hpp"
@@ -30,7 +31,9 @@ bool flag(const Call& call, const char* name) {
   return call.body[name].get<bool>();
 }
 
-json shape(const db::PortTransferRow& row) {
+}  // namespace
+
+json port_transfer_json(const db::PortTransferRow& row) {
   return {{"id", row.id}, {"port", row.port}, {"kind", row.kind}, {"state", row.state},
           {"program", maybe_id(row.program)}, {"revision", maybe_id(row.revision)}, {"name", row.name},
           {"sha256", maybe_text(row.sha256)}, {"from_line", row.from_line}, {"header", maybe_text(row.header)},
@@ -39,6 +42,10 @@ json shape(const db::PortTransferRow& row) {
           {"figures", json::parse(row.figures_json, nullptr, false)}, {"by", row.by},
           {"created", time_json(row.created_ms)}, {"started", time_json(row.started_ms)}, {"ended", time_json(row.ended_ms)}};
 }
+
+namespace {
+
+json shape(const db::PortTransferRow& row) { return port_transfer_json(row); }
 
 json shape(const serial::Signals& signals) {
   if (!signals.known) return nullptr;
@@ -57,8 +64,12 @@ json shape(const dnc::PortView& view) {
           {"state", view.now.state}, {"reason", maybe_text(view.now.reason)}, {"detail", maybe_text(view.now.text)},
           {"signals", shape(view.now.signals)},
           {"transfer", view.transfer ? shape(*view.transfer) : json(nullptr)}, {"queue", std::move(queue)},
-          {"measured", {{"window", view.window}, {"most_after_stop", view.most_after_stop}, {"stops", view.stops},
-                        {"starved_ms", view.starved_ms}, {"longest_hold_ms", view.longest_hold_ms}}}};
+          {"kind", view.is_agent ? "agent" : "line"},
+          {"measured", {{"window", view.window}, {"stop_margin", view.stop_margin}, {"transfers", view.measured.transfers},
+                        {"stops", view.measured.stops}, {"most_after_stop", view.measured.most_after_stop},
+                        {"longest_stop_us", view.measured.longest_stop_us}, {"longest_hold_ms", view.measured.longest_hold_ms},
+                        {"starved_ms", view.measured.starved_ms}, {"sending_ms", view.measured.sending_ms},
+                        {"round_trip_us", view.measured.round_trip_us == 0 ? json(nullptr) : json(view.measured.round_trip_us)}}}};
 }
 
 json shape(const db::ReceivedRow& row) {
@@ -141,6 +152,23 @@ std::vector<Route> records(Services& s) {
   return routes;
 }
 
+/// {"line":120} or {"block":120} or {"sequence":2000} or {"tool":5}, the last three with "occurrence".
+dnc::StartWish start_wish(const Call& call) {
+  using enum dnc::StartWish::By;
+  dnc::StartWish wish;
+  const std::pair<const char*, dnc::StartWish::By> ways[] = {{"line", line}, {"block", block}, {"sequence", sequence}, {"tool", tool}};
+  int given = 0;
+  for (const auto& [name, by] : ways) {
+    if (!call.body.contains(name)) continue;
+    wish.by = by;
+    wish.value = call.body_number(name);
+    ++given;
+  }
+  if (given != 1) throw Refused("bad_request", "line");
+  if (call.body.contains("occurrence")) wish.occurrence = call.body_number("occurrence");
+  return wish;
+}
+
 std::vector<Route> sending(Services& s) {
   std::vector<Route> routes;
   routes.push_back({.method = Method::post, .pattern = "/ports/{id}/send", .role = needs(Action::open_drip),
@@ -148,7 +176,8 @@ std::vector<Route> sending(Services& s) {
                     .takes = Takes::json, .request = "PortSend", .response = "PortTransfer", .status = 201,
                     .errors = {"not_released", "port_busy", "cannot_queue", "header_missing", "no_code", "numbers_are_used",
                                "no_machine", "restart_not_reached", "restart_alarm", "restart_in_compensation",
-                               "restart_in_cycle", "restart_mode", "restart_variables"},
+                               "restart_in_cycle", "restart_mode", "restart_variables", "not_for_agents", "not_connected",
+                               "check_failed", "drip_open", "machine_refused"},
                     .handler = [&s](Call& call) -> awaitable<Reply> {
                       dnc::SendWish wish;
                       wish.program = call.body_number("program");
@@ -157,23 +186,26 @@ std::vector<Route> sending(Services& s) {
                       wish.header = call.body_text("header", "");
                       wish.drip = flag(call, "drip");
                       wish.queue = flag(call, "queue");
+                      wish.armed = flag(call, "armed");
                       const auto id = call.id("id");
                       const auto row = co_await s.dnc.send(actor_of(call), id, wish);
                       co_return json_reply(shape(row), 201);
                     }});
   routes.push_back({.method = Method::post, .pattern = "/ports/{id}/restart", .role = needs(Action::open_drip),
-                    .summary = "What has to be sent in front to begin at a line: to be read, changed and confirmed",
-                    .takes = Takes::json, .request = "PortRestart", .response = "PortRestartAnswer", .errors = {"no_machine"},
+                    .summary = "What has to be sent in front to begin at a line, block, sequence number or tool: to be read, changed and confirmed",
+                    .takes = Takes::json, .request = "PortRestart", .response = "PortRestartAnswer", .errors = {"no_machine", "place_not_found"},
                     .handler = [&s](Call& call) -> awaitable<Reply> {
                       const auto program = call.body_number("program"), revision = call.body_number("revision");
-                      const auto line = call.body_number("line"), id = call.id("id");
-                      const auto restart = co_await s.dnc.restart(id, program, revision, line);
+                      const auto id = call.id("id");
+                      const auto [place, restart] = co_await s.dnc.restart(id, program, revision, start_wish(call));
                       json error = nullptr;
                       if (!restart.reason.empty()) {
                         const auto text = error_text(restart.reason);
                         error = {{"code", restart.reason}, {"message", {{"en", text.en}, {"zh", text.zh}}}, {"where", restart.where}};
                       }
-                      co_return json_reply({{"header", restart.header}, {"lines", restart.lines}, {"error", std::move(error)}});
+                      co_return json_reply({{"header", restart.header}, {"lines", restart.lines}, {"line", place.line},
+                                            {"text", library::to_utf8(place.text, "")}, {"occurrences", place.occurrences},
+                                            {"error", std::move(error)}});
                     }});
   routes.push_back({.method = Method::post, .pattern = "/ports/{id}/receive", .role = needs(Action::open_drip),
                     .summary = "Wait for a punch", .response = "PortTransfer", .status = 201, .errors = {"port_busy"},
@@ -194,6 +226,7 @@ std::vector<Route> sending(Services& s) {
   routes.push_back(steer("pause", "Stop sending until resumed", Action::cancel_transfer, &dnc::Dnc::pause));
   routes.push_back(steer("resume", "Go on sending", Action::open_drip, &dnc::Dnc::resume));
   routes.push_back(steer("cancel", "End what is under way", Action::cancel_transfer, &dnc::Dnc::cancel));
+  routes.back().urgent = true;
   routes.push_back({.method = Method::del, .pattern = "/ports/{id}/queue/{transfer}", .role = needs(Action::cancel_transfer),
                     .summary = "Take a waiting transfer out of the queue", .status = 204,
                     .handler = [&s](Call& call) -> awaitable<Reply> {
@@ -287,7 +320,7 @@ std::vector<Route> receiving(Services& s) {
                       co_return json_reply(to_json(difference));
                     }});
   const auto decide = [&s](const char* verb, const char* summary,
-                           db::ReceivedRow (*act)(db::Database&, const access::Actor&, std::int64_t, const std::string&, std::int64_t)) {
+                           db::ReceivedRow (*act)(db::Database&, const db::Blobs&, const access::Actor&, std::int64_t, const std::string&, std::int64_t)) {
     return Route{.method = Method::post, .pattern = std::string("/received/{id}/").append(verb), .role = needs(Action::upload_program),
                  .summary = summary, .takes = Takes::json, .request = "Decision", .response = "Received",
                  .errors = {"already_decided", "bad_name", "bad_folder"},
@@ -295,7 +328,7 @@ std::vector<Route> receiving(Services& s) {
                    const auto id = call.id("id");
                    const auto why = call.body_text("why", "");
                    const auto actor = actor_of(call);
-                   const auto row = co_await s.store.run([&](db::Database& db) { return act(db, actor, id, why, db::now_ms()); });
+                   const auto row = co_await s.store.run([&](db::Database& db) { return act(db, s.blobs, actor, id, why, db::now_ms()); });
                    co_return json_reply(shape(row));
                  }};
   };

@@ -38,9 +38,22 @@ TEST(Migrations, FromEmptyThenNothingMore) {
   EXPECT_EQ(db->integer("PRAGMA foreign_keys"), 1);
 }
 
-TEST(Migrations, AreNumberedWithoutGaps) {
-  int expected = 1;
-  for (const Migration& migration : builtin_migrations()) EXPECT_EQ(migration.number, expected++);
+TEST(Migrations, AreInOrderOfTheirNumbers) {
+  int last = 0;
+  for (const Migration& migration : builtin_migrations()) {
+    EXPECT_GT(migration.number, last);
+    last = migration.number;
+  }
+}
+
+TEST(Migrations, OneWithALowerNumberMayComeLater) {
+  TemporaryFolder folder;
+  auto db = open_sqlite(folder / "s.db");
+  const Migration gap[] = {kTwo[0], {3, "0003_c.sql", "CREATE TABLE c (x INTEGER)"}};
+  EXPECT_EQ(migrate(*db, gap), 2);
+  const Migration filled[] = {kTwo[0], kTwo[1], gap[1]};
+  EXPECT_EQ(migrate(*db, filled), 1);
+  EXPECT_TRUE(db->has_table("b"));
 }
 
 TEST(Migrations, AppliesOnlyWhatIsNew) {

@@ -272,7 +272,10 @@ TEST(Line, APortThatCannotBeOpenedSaysWhy) {
 
 TEST(Line, EverySpeedIsSet) {
   SimulatedControl control;
-  for (const std::uint32_t baud : {50u, 110u, 1'200u, 4'800u, 9'600u, 31'250u, 115'200u, 921'600u}) {
+  for (const std::uint32_t baud :
+       {50u,     75u,     110u,     134u,     150u,     200u,     300u,     600u,    1'200u,
+        1'800u,  2'400u,  4'800u,   9'600u,   14'400u,  19'200u,  28'800u,  31'250u, 38'400u,
+        57'600u, 76'800u, 115'200u, 230'400u, 460'800u, 500'000u, 576'000u, 921'600u}) {
     auto settings = default_settings("xon-xoff");
     settings.line.baud = baud;
     Bench bench(*address_of(control.device()), settings);

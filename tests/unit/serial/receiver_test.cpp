@@ -106,5 +106,34 @@ TEST(Receiver, AsksWhenTold) {
   EXPECT_EQ(Receiver(rules, at(0s)).take_output(), "\x11");
 }
 
+TEST(Receiver, TwoGigabytesAreRefusedAndNotKept) {
+  auto settings = default_settings("xon-xoff");
+  Receiver receiver(receive_rules(settings), at(0s));
+  const std::string piece(1u << 20, 'X');
+  std::string data;
+  std::size_t most = 0;
+  for (unsigned i = 0; i < 2'048; ++i) {
+    receiver.on_bytes(piece, at(1s + i * 1ms), data);
+    most = std::max(most, data.size());
+  }
+  EXPECT_EQ(receiver.state(), State::failed);
+  EXPECT_EQ(receiver.reason(), "too_large");
+  EXPECT_LE(most, settings.most_bytes + piece.size());
+}
+
+TEST(Receiver, APunchThatNeverEnds) {
+  auto settings = default_settings("xon-xoff");
+  settings.punch_limit_s = 60;
+  Receiver receiver(receive_rules(settings), at(0s));
+  std::string data;
+  for (unsigned second = 1; !receiver.over() && second < 1'000; ++second) {
+    receiver.on_bytes("X1\n", at(second * 1s), data);
+    receiver.tick(at(second * 1s));
+  }
+  EXPECT_EQ(receiver.state(), State::failed);
+  EXPECT_EQ(receiver.reason(), "never_ends");
+  EXPECT_LE(data.size(), 3u * 62);
+}
+
 }  // namespace
 }  // namespace headstock::serial

@@ -82,5 +82,19 @@ TEST(Monitor, JoinsNeighboursAndStaysBounded) {
   EXPECT_EQ(monitor.since(monitor.last() - 1, 10).size(), 1u);
 }
 
+TEST(Pacing, FollowsFromWhatThePortHasMeasured) {
+  using namespace std::chrono_literals;
+  auto settings = default_settings("dc1-dc4");  // 9600-8-N-2: 1.146 ms a character, takes 10 after its DC3
+  EXPECT_EQ(window_of(settings), 8u);
+  EXPECT_EQ(window_of(settings, 1'200us), 7u) << "a plain UART";
+  EXPECT_EQ(window_of(settings, 5'000us), 4u) << "an adapter that holds characters back for 4 ms";
+  EXPECT_EQ(stop_margin(settings, 5'000us), 2);
+  EXPECT_EQ(window_of(settings, 20'000us), 1u) << "16 ms: this line cannot be stopped in time";
+  EXPECT_LT(stop_margin(settings, 20'000us), 0);
+  settings.after_stop = 100;
+  EXPECT_GT(stop_margin(settings, 20'000us), 0);
+  EXPECT_EQ(send_rules(settings, 20'000us).window, window_of(settings, 20'000us));
+}
+
 }  // namespace
 }  // namespace headstock::serial

@@ -4,6 +4,7 @@ import { useTranslation } from "react-i18next";
 import { get } from "../../api/client";
 import { clockTime } from "../../format/time";
 import { reasonText } from "../../i18n";
+import { Button } from "../../ui/parts";
 import type { MonitorEntry, Port, Signals } from "./types";
 
 const kept = 400;
@@ -17,6 +18,17 @@ function Lamps({ signals }: { signals: Signals | null }) {
 /// Control characters stand out: a wrong cable shows in them first.
 function Bytes({ text }: { text: string }) {
   return <>{text.split(/(<[^<>]{2,3}>)/).map((piece, i) => (/^<[^<>]{2,3}>$/.test(piece) ? <i key={i} className="control">{piece.slice(1, -1)}</i> : piece))}</>;
+}
+
+/// All that the server still has of the line, for whoever looks at it later.
+async function keep(port: Port): Promise<void> {
+  const piece = await get<{ items: MonitorEntry[] }>(`/ports/${port.id}/monitor?limit=1000`);
+  const text = piece.items.map((one) => [one.at, one.kind, one.text, one.hex ?? ""].join("\t")).join("\r\n");
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
+  link.download = `${port.name}-line.txt`;
+  link.click();
+  URL.revokeObjectURL(link.href);
 }
 
 export function LineMonitor({ port }: { port: Port }) {
@@ -48,7 +60,7 @@ export function LineMonitor({ port }: { port: Port }) {
   return (
     <div className="line-monitor" data-monitor={port.id}>
       <div className="records-bar"><Lamps signals={port.signals} />
-        <span className="end"><label className="check"><input type="checkbox" checked={hex} onChange={(event) => setHex(event.target.checked)} />{t("dnc.hex")}</label>
+        <span className="end"><Button small kind="quiet" icon="download" data-action="keep-monitor" onClick={() => void keep(port)}>{t("dnc.export")}</Button><label className="check"><input type="checkbox" checked={hex} onChange={(event) => setHex(event.target.checked)} />{t("dnc.hex")}</label>
           <label className="check"><input type="checkbox" checked={still} onChange={(event) => setStill(event.target.checked)} />{t("dnc.still")}</label></span></div>
       <div className="monitor-lines mono" ref={box} tabIndex={0} role="log" aria-label={t("dnc.monitor")}>
         {entries.length === 0 && <div className="dim">{t("dnc.monitor_empty")}</div>}

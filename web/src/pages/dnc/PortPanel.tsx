@@ -8,8 +8,9 @@ import { reasonText } from "../../i18n";
 import { useMay } from "../../shell/session";
 import { Button, Note, Panel, Progress, toast, useAction } from "../../ui/parts";
 import { LineMonitor } from "./LineMonitor";
+import { PlanLine } from "./Plans";
 import { SendDialog } from "./SendDialog";
-import { isSending, type Port, type PortTransfer } from "./types";
+import { isSending, type Plan, type Port, type PortTransfer } from "./types";
 
 const tone: Record<string, string> = { done: "good", failed: "bad", held: "warn", paused: "warn", waiting: "info" };
 
@@ -29,8 +30,22 @@ export function TransferLine({ transfer }: { transfer: PortTransfer }) {
   );
 }
 
-export function PortPanel({ port, open, onOpen, onEdit, onChanged }: {
-  port: Port; open: boolean; onOpen: (open: boolean) => void; onEdit: () => void; onChanged: () => void;
+/// What the port knows about its own line, and what follows from it.
+function Measured({ port }: { port: Port }) {
+  const { t } = useTranslation();
+  const m = port.measured;
+  const starved = m.sending_ms > 0 ? m.starved_ms / m.sending_ms : 0;
+  return (
+    <span className="port-measured dim" data-measured={m.window}>
+      {t("dnc.measured", { window: m.window, after: m.most_after_stop, stops: m.stops })}
+      {m.round_trip_us === null ? ` · ${t("dnc.not_looped")}` : ` · ${t("dnc.margin", { count: m.stop_margin })}`}
+      {starved > 0.01 && ` · ${t("dnc.starved", { part: percent(starved, 1) })}`}
+    </span>
+  );
+}
+
+export function PortPanel({ port, plans, open, onOpen, onEdit, onChanged }: {
+  port: Port; plans: Plan[]; open: boolean; onOpen: (open: boolean) => void; onEdit: () => void; onChanged: () => void;
 }) {
   const { t } = useTranslation();
   const operator = useMay("operator"), setter = useMay("setter");
@@ -47,27 +62,29 @@ export function PortPanel({ port, open, onOpen, onEdit, onChanged }: {
   const transfer = port.transfer;
   return (
     <Panel name={`port-${port.id}`} className={`port state-${port.state}`} title={<><span className={`port-lamp ${port.state}`} aria-hidden="true" />{port.name}</>}
-      extra={<><span className="mono dim">{port.address}</span><span className="dim">{port.settings.protocol} · {port.settings.line}</span>
+      extra={<><span className="mono dim">{port.address}</span>{port.kind === "line" && <span className="dim">{port.settings.protocol} · {port.settings.line}</span>}
         <span className={`chip ${port.state === "failed" ? "bad" : port.state === "busy" ? "good" : ""}`} data-port-state={port.state}>{t(`dnc.port_${port.state}`)}</span></>}>
       {port.state === "failed" && <Note kind="error">{reasonText(port.reason)}{port.detail ? ` (${port.detail})` : ""}</Note>}
-      {transfer ? <TransferLine transfer={transfer} /> : <p className="dim port-idle">{t(port.listens ? "dnc.idle_listening" : "dnc.idle")}</p>}
+      {port.kind === "line" && port.measured.stop_margin < 0 && <Note kind="warn">{t("dnc.margin_negative")}</Note>}
+      {transfer ? <TransferLine transfer={transfer} /> : <p className="dim port-idle">{t(port.kind === "agent" ? "dnc.idle_agent" : port.listens ? "dnc.idle_listening" : "dnc.idle")}</p>}
       {port.queue.map((one) => (
         <div key={one.id} className="port-queue"><span>{t("dnc.queued", { name: one.name })}</span>
           {operator && <Button small kind="quiet" icon="close" aria-label={t("common.remove")} onClick={() => run(async () => { await remove(`/ports/${port.id}/queue/${one.id}`); onChanged(); })} />}</div>))}
+      {plans.map((plan) => <PlanLine key={plan.id} plan={plan} onChanged={onChanged} />)}
       <div className="port-actions">
         {operator && <Button icon="send" kind="primary" disabled={transfer !== null && !isSending(transfer)} data-action="send" onClick={() => setSending(true)}>{t("dnc.send")}</Button>}
-        {operator && !transfer && <Button icon="download" busy={busy} data-action="receive" onClick={() => act("receive")}>{t("dnc.receive")}</Button>}
-        {operator && transfer && isSending(transfer) && transfer.state !== "paused" && <Button kind="hold" busy={busy} data-action="pause" onClick={() => act("pause")}>{t("dnc.pause")}</Button>}
+        {operator && !transfer && port.kind === "line" && <Button icon="download" busy={busy} data-action="receive" onClick={() => act("receive")}>{t("dnc.receive")}</Button>}
+        {operator && transfer && port.kind === "line" && isSending(transfer) && transfer.state !== "paused" && <Button kind="hold" busy={busy} data-action="pause" onClick={() => act("pause")}>{t("dnc.pause")}</Button>}
         {operator && transfer && transfer.state === "paused" && <Button kind="go" busy={busy} data-action="resume" onClick={() => act("resume")}>{t("dnc.resume")}</Button>}
         {operator && transfer && <Button kind="danger" data-action="cancel" onClick={() => stopping.run(async () => { await post(`/ports/${port.id}/cancel`); onChanged(); })}>{t("dnc.stop")}</Button>}
-        <span className="port-measured dim">{port.measured.window > 0 && t("dnc.measured", { window: port.measured.window, after: port.measured.most_after_stop, stops: port.measured.stops })}</span>
+        {port.kind === "line" && <Measured port={port} />}
         <span className="end">
-          {setter && !transfer && <Button small kind="quiet" busy={busy} data-action="test" onClick={test}>{t("dnc.test")}</Button>}
+          {setter && !transfer && port.kind === "line" && <Button small kind="quiet" busy={busy} data-action="test" onClick={test}>{t("dnc.test")}</Button>}
           {setter && !transfer && <Button small kind="quiet" icon="edit" data-action="edit" onClick={onEdit}>{t("dnc.edit")}</Button>}
-          <Button small kind="quiet" icon={open ? "down" : "right"} aria-expanded={open} data-action="monitor" onClick={() => onOpen(!open)}>{t("dnc.monitor")}</Button>
+          {port.kind === "line" && <Button small kind="quiet" icon={open ? "down" : "right"} aria-expanded={open} data-action="monitor" onClick={() => onOpen(!open)}>{t("dnc.monitor")}</Button>}
         </span>
       </div>
-      {open && <LineMonitor port={port} />}
+      {open && port.kind === "line" && <LineMonitor port={port} />}
       {sending && <SendDialog port={port} onClose={() => { setSending(false); onChanged(); }} />}
     </Panel>
   );
