@@ -78,12 +78,21 @@ bool SpindleThreadRun::next(interp::Executor& ex) {
   ex.set_axis_machine(z, step.z);
   ex.set_axis_machine(spindle, step.spindle);
   const std::uint32_t moved = 1u << x | 1u << z | 1u << spindle;
+  // Not by fill_motion, which rounds to the least increment: the arcs' chords are finer.
+  const auto fill = [&ex, moved](interp::Motion& motion) {
+    motion.at = ex.at;
+    motion.modal = ex.modal;
+    motion.end_work = ex.work_now;
+    motion.end_machine = ex.machine_now;
+    motion.axes = moved;
+    motion.cycle = ex.cycle.name;
+  };
   if (step.rapid) {
-    ex.fill_motion(ex.emit<interp::Rapid>(), moved);
+    fill(ex.emit<interp::Rapid>());
     return true;
   }
   auto& motion = ex.emit<interp::Feed>();
-  ex.fill_motion(motion, moved);
+  fill(motion);
   // F is the speed along the linear axes; on the machine's path a degree counts as a millimetre (L1869).
   const double length = std::hypot(step.x - before[x], step.z - before[z]);
   const double turned = step.spindle - before[spindle];

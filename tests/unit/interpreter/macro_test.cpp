@@ -210,21 +210,24 @@ TEST(Macro, TheK2000RepeatsTheBlockThatWasBrokenInto) {
   bench.data.parameters["P4100.3"] = 1;
   bench.programs.add_text("O13\nG00 Z5.\nM99\n");
   bench.start("O1\nG98 G01 F100\nM96 P13\nX10.\nX20.\nM97\nX30.\nM30\n");
-  for (;;) {
-    ASSERT_EQ(bench.next(), Pull::operation);
-    if (motion(bench.operation) != nullptr) break;
-  }
+  const auto next_motion = [&bench] {  // the power-on codes may say something to the spindle between
+    while (bench.next() == Pull::operation) {
+      if (motion(bench.operation) != nullptr) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(next_motion());
   const double first = motion(bench.operation)->end_machine[0];
   ASSERT_TRUE(bench.interpreter.interruption_signal().inside_blocks);
   AxisVector here{};
   here[0] = first / 2;
   ASSERT_TRUE(bench.interpreter.interrupt(here, true));
-  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_TRUE(next_motion());
   EXPECT_EQ(motion(bench.operation)->at.program, 13u);
-  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_TRUE(next_motion());
   EXPECT_TRUE(std::holds_alternative<Feed>(bench.operation));  // G01 again
   EXPECT_EQ(motion(bench.operation)->end_machine[0], first);
-  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_TRUE(next_motion());
   EXPECT_EQ(motion(bench.operation)->end_machine[0], 2 * first);
 }
 
@@ -270,18 +273,18 @@ TEST(Macro, NothingIsReadAheadOfCodesThatStopTheLookAhead) {
     bench.data.parameters["3421"] = 80;
     bench.data.parameters["3422"] = 90;
     bench.interpreter.set_environment(&environment);
-    bench.start(std::string("G0 X1.\n") + held + "\n#500=1\nG0 X2.\nM30\n");
+    bench.start(std::string("G0 X1.\n") + held + "\n#100=1\nG0 X2.\nM30\n");
     ASSERT_EQ(bench.next(), Pull::operation);
     ASSERT_EQ(bench.next(), Pull::operation) << held;
     EXPECT_EQ(bench.next(), Pull::standstill) << held;
-    EXPECT_FALSE(bench.data.common_variables.contains(500)) << held;
+    EXPECT_FALSE(bench.data.common_variables.contains(100)) << held;
     EXPECT_EQ(bench.next(), Pull::operation) << held;
-    EXPECT_TRUE(bench.data.common_variables.contains(500)) << held;
+    EXPECT_TRUE(bench.data.common_variables.contains(100)) << held;
   }
   Bench bench;
   Running environment;
   bench.interpreter.set_environment(&environment);
-  bench.start("G0 X1.\nM61\n#500=1\nG0 X2.\nM30\n");
+  bench.start("G0 X1.\nM61\n#100=1\nG0 X2.\nM30\n");
   ASSERT_EQ(bench.next(), Pull::operation);
   ASSERT_EQ(bench.next(), Pull::operation);
   EXPECT_EQ(bench.next(), Pull::operation);  // not one of them: read on
