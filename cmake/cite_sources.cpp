@@ -75,7 +75,7 @@ bool is_numbered(std::string_view after) {
 }
 
 void scan_reasons(std::string_view text, Found& found) {
-  for (const std::string_view prefix : {std::string_view("AlarmReason::"), std::string_view("R::")}) {
+  for (const std::string_view prefix : {std::string_view("AlarmReason::"), std::string_view("R::"), std::string_view("Fault::")}) {
     for (std::size_t at = text.find(prefix); at != text.npos; at = text.find(prefix, at + 1)) {
       if (at != 0 && name_character(text[at - 1])) continue;
       std::size_t end = at + prefix.size();
@@ -99,7 +99,25 @@ void scan_line(std::string_view line, const std::string& place, Found& found) {
       ++i;
     } else if (line[i] == '"') {
       if (inside) {
-        const std::string number = number_of(line.substr(start, i - start));
+        std::string_view text = line.substr(start, i - start);
+        // "!8136#6 6000#3": conditions of a system variable, each a parameter.
+        if (text.find(' ') != text.npos || text.starts_with('!')) {
+          std::vector<std::string> all;
+          bool numbers = true;
+          while (numbers && !text.empty()) {
+            std::string_view one = text.substr(0, text.find(' '));
+            text.remove_prefix(std::min(text.size(), one.size() + 1));
+            if (one.starts_with('!')) one.remove_prefix(1);
+            all.push_back(number_of(one));
+            numbers = !all.back().empty();
+          }
+          for (const std::string& one : all)
+            if (numbers) found.cited.insert({one, place, 'p'});
+          inside = false;
+          start = i + 1;
+          continue;
+        }
+        const std::string number = number_of(text);
         std::string_view before = line.substr(0, start - 1);
         while (before.ends_with(' ')) before.remove_suffix(1);
         const std::size_t word =

@@ -11,8 +11,8 @@ constexpr const char* kPart =
     "SELECT id, machine_id, spool, sequence, at_ms, program, sha256, machine_count, machine_total, cycle_s "
     "FROM parts";
 constexpr const char* kRun =
-    "SELECT id, machine_id, spool, run, program, sha256, started_ms, ended_ms, outcome, run_s, cutting_s "
-    "FROM runs";
+    "SELECT id, machine_id, spool, run, program, sha256, started_ms, ended_ms, outcome, run_s, cutting_s, "
+    "total_start, total_end, holds, alarms, overrides_json, by_user FROM runs";
 constexpr const char* kAlarm =
     "SELECT id, machine_id, spool, sequence, alarm, code, text_en, text_zh, line, column_number, program, "
     "block, raised_ms, "
@@ -33,7 +33,8 @@ PartRow part_of(const Row& row) {
 RunRow run_of(const Row& row) {
   return {row.integer(0), row.integer(1),    row.text(2),          row.integer(3),
           row.text(4),    row.text(5),       row.maybe_integer(6), row.maybe_integer(7),
-          row.text(8),    row.maybe_real(9), row.maybe_real(10)};
+          row.text(8),    row.maybe_real(9), row.maybe_real(10),   row.maybe_integer(11),
+          row.maybe_integer(12), row.maybe_integer(13), row.maybe_integer(14), row.text(15), row.text(16)};
 }
 
 AlarmRow alarm_of(const Row& row) {
@@ -179,12 +180,14 @@ void put_run_start(Database& db, const RunRow& run) {
       "LIMIT 1",
       {run.machine, run.spool, run.run});
   if (ended_first)
-    db.execute("UPDATE runs SET program = ?, sha256 = ?, started_ms = ? WHERE id = ?",
-               {run.program, run.sha256, run.started_ms, *ended_first});
+    db.execute(
+        "UPDATE runs SET program = ?, sha256 = ?, started_ms = ?, total_start = ?, by_user = ? WHERE id = ?",
+        {run.program, run.sha256, run.started_ms, run.total_start, run.by, *ended_first});
   else
     db.execute(
-        "INSERT INTO runs (machine_id, spool, run, program, sha256, started_ms) VALUES (?, ?, ?, ?, ?, ?)",
-        {run.machine, run.spool, run.run, run.program, run.sha256, run.started_ms});
+        "INSERT INTO runs (machine_id, spool, run, program, sha256, started_ms, total_start, by_user) VALUES (?, ?, "
+        "?, ?, ?, ?, ?, ?)",
+        {run.machine, run.spool, run.run, run.program, run.sha256, run.started_ms, run.total_start, run.by});
 }
 
 void put_run_end(Database& db, const RunRow& run) {
@@ -193,13 +196,17 @@ void put_run_end(Database& db, const RunRow& run) {
       "DESC LIMIT 1",
       {run.machine, run.spool, run.run});
   if (started)
-    db.execute("UPDATE runs SET ended_ms = ?, outcome = ?, run_s = ?, cutting_s = ? WHERE id = ?",
-               {run.ended_ms, run.outcome, run.run_s, run.cutting_s, *started});
+    db.execute(
+        "UPDATE runs SET ended_ms = ?, outcome = ?, run_s = ?, cutting_s = ?, total_end = ?, holds = ?, alarms = ?, "
+        "overrides_json = ? WHERE id = ?",
+        {run.ended_ms, run.outcome, run.run_s, run.cutting_s, run.total_end, run.holds, run.alarms,
+         run.overrides_json, *started});
   else
     db.execute(
-        "INSERT INTO runs (machine_id, spool, run, program, sha256, ended_ms, outcome, run_s, cutting_s) "
-        "VALUES (?, ?, ?, '', '', ?, ?, ?, ?)",
-        {run.machine, run.spool, run.run, run.ended_ms, run.outcome, run.run_s, run.cutting_s});
+        "INSERT INTO runs (machine_id, spool, run, program, sha256, ended_ms, outcome, run_s, cutting_s, total_end, "
+        "holds, alarms, overrides_json) VALUES (?, ?, ?, '', '', ?, ?, ?, ?, ?, ?, ?, ?)",
+        {run.machine, run.spool, run.run, run.ended_ms, run.outcome, run.run_s, run.cutting_s, run.total_end,
+         run.holds, run.alarms, run.overrides_json});
 }
 
 std::int64_t insert_alarm(Database& db, const AlarmRow& alarm) {

@@ -44,8 +44,12 @@ struct RunRow {
   std::int64_t run = 0;
   std::string program, sha256;
   std::optional<std::int64_t> started_ms, ended_ms;
-  std::string outcome;  ///< completed reset alarm; empty while running or not known
+  std::string outcome;  ///< completed reset alarm interrupted; empty while running or not known
   std::optional<double> run_s, cutting_s;
+  std::optional<std::int64_t> total_start, total_end;  ///< the machine's part counter: the second witness
+  std::optional<std::int64_t> holds, alarms;
+  std::string overrides_json;  ///< {"feed":[least,most],…} in percent; empty: not told
+  std::string by;              ///< who pressed cycle start; empty: at the machine
 };
 struct AlarmRow {
   std::int64_t id = 0, machine = 0;

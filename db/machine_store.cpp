@@ -132,7 +132,7 @@ std::vector<ResidentRow> residents(Database& db, std::int64_t machine) {
 
 std::vector<OffsetRow> offsets(Database& db, std::int64_t machine) {
   std::vector<OffsetRow> found;
-  db.each("SELECT what, value, at_ms FROM offsets WHERE machine_id = ? ORDER BY what", {machine},
+  db.each("SELECT what, value, at_ms FROM machine_values WHERE machine_id = ? AND value IS NOT NULL ORDER BY what", {machine},
           [&](const Row& row) {
             found.push_back({row.text(0), row.real(1), row.integer(2)});
           });

@@ -15,8 +15,7 @@ struct Applied {
 
 std::map<int, Applied> applied_migrations(Database& database) {
   std::map<int, Applied> applied;
-  if (!database.integer("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = 'schema_migrations'"))
-    return applied;
+  if (!database.has_table("schema_migrations")) return applied;
   database.each("SELECT number, name, sha256 FROM schema_migrations", {}, [&](const Row& row) {
     applied[static_cast<int>(row.integer(0))] = {row.text(1), row.text(2)};
   });
@@ -49,7 +48,7 @@ int migrate(Database& database, std::span<const Migration> migrations) {
   for (const Migration& migration : migrations) {
     if (applied.contains(migration.number)) continue;
     Transaction transaction(database);
-    database.execute(
+    database.script(
         "CREATE TABLE IF NOT EXISTS schema_migrations (number INTEGER PRIMARY KEY, name TEXT NOT NULL, "
         "sha256 TEXT NOT NULL, applied_ms INTEGER NOT NULL)");
     database.script(std::string(migration.sql));

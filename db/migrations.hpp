@@ -11,7 +11,7 @@
 namespace headstock::db {
 
 struct Migration {
-  int number;             ///< 1, 2, 3 … without gaps
+  int number;             ///< rising; a gap is one that is not written yet
   std::string_view name;  ///< file name
   std::string_view sql;
 };

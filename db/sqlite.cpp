@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <unordered_map>
+#include <utility>
 
 #include "db/database.hpp"
 
@@ -82,6 +83,18 @@ class SqliteRow final : public Row {
     const auto count = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column));
     return bytes ? std::string(reinterpret_cast<const char*>(bytes), count) : std::string();
   }
+  Value value(int column) const override {
+    switch (sqlite3_column_type(statement_, column)) {
+      case SQLITE_NULL:
+        return {};
+      case SQLITE_INTEGER:
+        return integer(column);
+      case SQLITE_FLOAT:
+        return real(column);
+      default:
+        return text(column);
+    }
+  }
 
  private:
   sqlite3_stmt* statement_;
@@ -119,6 +132,38 @@ class Sqlite final : public Database {
 
   void script(const std::string& sql) override {
     if (sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail();
+  }
+
+  bool has_table(std::string_view name) override {
+    return integer("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?", {name}).has_value();
+  }
+  std::string place() const override { return file_; }
+
+  std::vector<TableShape> tables() override {
+    std::vector<TableShape> found;
+    // In the order in which they were made: a table refers only to older ones.
+    each("SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite%' ORDER BY rowid", {},
+         [&](const Row& row) { found.push_back({row.text(0), {}}); });
+    for (TableShape& table : found)
+      each("SELECT name FROM pragma_table_info(?) ORDER BY cid", {table.name},
+           [&](const Row& row) { table.columns.push_back(row.text(0)); });
+    return found;
+  }
+
+  std::unique_ptr<Snapshot> snapshot(const fs::path& folder) override;
+  /// AUTOINCREMENT follows by itself.
+  void follow_ids() override {}
+
+  void set_guard(const std::string& table, const std::string& trigger, Guard guard) override {
+    if (guard == Guard::open) {
+      const auto sql = text("SELECT sql FROM sqlite_master WHERE type = 'trigger' AND name = ? AND tbl_name = ?", {trigger, table});
+      if (!sql) throw Error(Problem::internal, "there is no trigger " + trigger);
+      open_guards_[trigger] = *sql;
+      script("DROP TRIGGER " + trigger);
+    } else {
+      script(open_guards_.at(trigger));
+      open_guards_.erase(trigger);
+    }
   }
 
  protected:
@@ -209,8 +254,61 @@ class Sqlite final : public Database {
 
   std::string file_;
   sqlite3* handle_ = nullptr;
+  std::unordered_map<std::string, std::string> open_guards_;  ///< what makes them again
   std::unordered_map<std::string, sqlite3_stmt*> idle_;
 };
+
+/// SQLite's online backup: copies pages between other statements of the same connection, whose changes it follows.
+class SqliteSnapshot final : public Snapshot {
+ public:
+  SqliteSnapshot(sqlite3* from, fs::path file) : from_(from), file_(std::move(file)) {
+    std::error_code ignored;
+    fs::remove(file_, ignored);
+    if (sqlite3_open(file_.c_str(), &to_) != SQLITE_OK) fail();
+    backup_ = sqlite3_backup_init(to_, "main", from_, "main");
+    if (!backup_) fail();
+  }
+  ~SqliteSnapshot() override {
+    close();
+    std::error_code ignored;
+    for (const char* tail : {"", "-wal", "-shm", "-journal"}) fs::remove(file_.string() + tail, ignored);
+  }
+  SqliteSnapshot(const SqliteSnapshot&) = delete;
+  SqliteSnapshot& operator=(const SqliteSnapshot&) = delete;
+
+  bool step() override {
+    if (!backup_) return false;
+    const int result = sqlite3_backup_step(backup_, kPagesAStep);
+    if (result == SQLITE_OK || result == SQLITE_BUSY || result == SQLITE_LOCKED) return true;
+    if (result != SQLITE_DONE) fail();
+    close();
+    return false;
+  }
+  std::unique_ptr<Database> open() override { return open_sqlite(file_); }
+
+ private:
+  static constexpr int kPagesAStep = 256;  ///< 1 MiB
+
+  void close() {
+    if (backup_) sqlite3_backup_finish(std::exchange(backup_, nullptr));
+    sqlite3_close(std::exchange(to_, nullptr));
+  }
+  [[noreturn]] void fail() {
+    const Problem problem = problem_of(sqlite3_extended_errcode(to_), file_.string());
+    const std::string text = advice(problem, file_.string(), sqlite3_errmsg(to_));
+    close();
+    throw Error(problem, text);
+  }
+
+  sqlite3* from_;
+  fs::path file_;
+  sqlite3* to_ = nullptr;
+  sqlite3_backup* backup_ = nullptr;
+};
+
+std::unique_ptr<Snapshot> Sqlite::snapshot(const fs::path& folder) {
+  return std::make_unique<SqliteSnapshot>(handle_, folder / "snapshot.db");
+}
 
 }  // namespace
 

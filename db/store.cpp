@@ -9,20 +9,21 @@
 namespace headstock::db {
 namespace {
 
-std::unique_ptr<Database> open_in(const std::filesystem::path& folder) {
+std::unique_ptr<Database> open_in(const std::filesystem::path& folder, const std::string& connection) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
     throw Error(Problem::unreadable,
                 folder.string() + ": cannot make the data folder (" + error.message() + ")");
-  auto database = open_sqlite(folder / "headstock.db");
+  auto database = connection.empty() ? open_sqlite(folder / "headstock.db") : open_postgres(connection);
   migrate(*database);
   return database;
 }
 
 }  // namespace
 
-Store::Store(const std::filesystem::path& data_folder) : database_(open_in(data_folder)) {}
+Store::Store(const std::filesystem::path& data_folder, const std::string& connection)
+    : database_(open_in(data_folder, connection)) {}
 
 Store::~Store() {
   thread_.join();

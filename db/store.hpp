@@ -106,9 +106,9 @@ class Pool {
 /// order.
 class Store {
  public:
-  /// Opens and migrates DATA/headstock.db on the calling thread. Throws Error with a line for the person who
-  /// starts it.
-  explicit Store(const std::filesystem::path& data_folder);
+  /// Opens and migrates DATA/headstock.db, or the PostgreSQL database that `connection` names, on the calling
+  /// thread. Throws Error with a line for the person who starts it.
+  explicit Store(const std::filesystem::path& data_folder, const std::string& connection = {});
   ~Store();
 
   /// `co_await store.run([=](Database& db) { return list(db); })`: one job, whole; use a Transaction when it

@@ -9,12 +9,12 @@ namespace {
 constexpr const char* kUser =
     "SELECT id, user, name, role, language, password, must_change_password, disabled, failures, "
     "locked_until_ms, created_ms, "
-    "last_sign_in_ms FROM users WHERE removed_ms IS NULL";
+    "last_sign_in_ms, external FROM users WHERE removed_ms IS NULL";
 
 UserRow user_of(const Row& row) {
   return {row.integer(0), row.text(1),    row.text(2),     row.text(3),
           row.text(4),    row.text(5),    row.flag(6),     row.flag(7),
-          row.integer(8), row.integer(9), row.integer(10), row.maybe_integer(11)};
+          row.integer(8), row.integer(9), row.integer(10), row.maybe_integer(11), row.text(12)};
 }
 
 constexpr const char* kAudit =
@@ -54,12 +54,18 @@ std::optional<UserRow> user_named(Database& db, const std::string& user) {
   return found;
 }
 
+std::optional<UserRow> user_external(Database& db, const std::string& external) {
+  std::optional<UserRow> found;
+  db.each(std::string(kUser) + " AND external = ?", {external}, [&](const Row& row) { found = user_of(row); });
+  return found;
+}
+
 std::int64_t insert_user(Database& db, const UserRow& user) {
   return *db.integer(
-      "INSERT INTO users (user, name, role, language, password, must_change_password, disabled, created_ms) "
-      "VALUES (?, ?, ?, ?, ?, ?, ?, ?) RETURNING id",
+      "INSERT INTO users (user, name, role, language, password, must_change_password, disabled, created_ms, "
+      "external) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING id",
       {user.user, user.name, user.role, user.language, user.password, user.must_change_password,
-       user.disabled, user.created_ms});
+       user.disabled, user.created_ms, user.external});
 }
 
 void update_user(Database& db, const UserRow& user) {
@@ -74,25 +80,32 @@ void update_user(Database& db, const UserRow& user) {
 void remove_user(Database& db, std::int64_t id, std::int64_t at_ms) {
   Transaction transaction(db);
   remove_sessions_of(db, id);
-  db.execute("UPDATE users SET removed_ms = ?, user = user || '#' || id, password = '' WHERE id = ?",
+  db.execute("UPDATE users SET removed_ms = ?, user = user || '#' || id, password = '', external = '' WHERE id = ?",
              {at_ms, id});
   transaction.commit();
 }
 
 void insert_session(Database& db, const SessionRow& session) {
   db.execute(
-      "INSERT INTO sessions (token_sha256, user_id, created_ms, expires_ms, address) VALUES (?, ?, ?, ?, ?)",
-      {session.token_sha256, session.user, session.created_ms, session.expires_ms, session.address});
+      "INSERT INTO sessions (token_sha256, user_id, created_ms, expires_ms, address, last_used_ms) VALUES (?, ?, ?, "
+      "?, ?, ?)",
+      {session.token_sha256, session.user, session.created_ms, session.expires_ms, session.address,
+       session.last_used_ms});
 }
 
 std::optional<SessionRow> session(Database& db, const std::string& token_sha256) {
   std::optional<SessionRow> found;
   db.each(
-      "SELECT token_sha256, user_id, created_ms, expires_ms, address FROM sessions WHERE token_sha256 = ?",
+      "SELECT token_sha256, user_id, created_ms, expires_ms, address, last_used_ms FROM sessions WHERE token_sha256 = ?",
       {token_sha256}, [&](const Row& row) {
-        found = SessionRow{row.text(0), row.integer(1), row.integer(2), row.integer(3), row.text(4)};
+        found = SessionRow{row.text(0), row.integer(1), row.integer(2), row.integer(3), row.text(4),
+                           row.integer(5)};
       });
   return found;
+}
+
+void touch_session(Database& db, const std::string& token_sha256, std::int64_t at_ms) {
+  db.execute("UPDATE sessions SET last_used_ms = ? WHERE token_sha256 = ?", {at_ms, token_sha256});
 }
 
 void remove_session(Database& db, const std::string& token_sha256) {
@@ -147,6 +160,17 @@ std::int64_t first_broken_audit(Database& db) {
     previous = entry.hash;
   });
   return broken;
+}
+
+AuditHead audit_head(Database& db) {
+  AuditHead head;
+  db.each("SELECT id, hash FROM audit ORDER BY id DESC LIMIT 1", {},
+          [&](const Row& row) { head = {row.integer(0), row.text(1)}; });
+  return head;
+}
+
+std::string audit_hash(Database& db, std::int64_t id) {
+  return db.text("SELECT hash FROM audit WHERE id = ?", {id}).value_or("");
 }
 
 }  // namespace headstock::db

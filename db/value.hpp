@@ -45,6 +45,7 @@ class Row {
   virtual std::int64_t integer(int column) const = 0;  ///< 0 when null
   virtual double real(int column) const = 0;           ///< 0 when null
   virtual std::string text(int column) const = 0;      ///< empty when null
+  virtual Value value(int column) const = 0;           ///< as it is kept
 
   bool flag(int column) const { return integer(column) != 0; }
   std::optional<std::int64_t> maybe_integer(int column) const {

@@ -137,7 +137,9 @@ void add_client(CLI::App& app, Context& context) {
   add_machine_commands(app, context);
   add_program_commands(app, context);
   add_operate_commands(app, context);
+  add_value_commands(app, context);
   add_port_commands(app, context);
+  add_keeping_commands(app, context);
 }
 
 }  // namespace headstock::client

@@ -41,8 +41,9 @@ void add_machine_commands(CLI::App& app, Context& context);   // machines, alarm
 void add_program_commands(CLI::App& app, Context& context);   // programs …
 void add_operate_commands(CLI::App& app, Context& context);   // run, hold, reset, drip, watch
 void add_port_commands(CLI::App& app, Context& context);      // ports, received
-
+void add_value_commands(CLI::App& app, Context& context);     // offsets, tool-life, parameters, variables, recount
 void add_port_record_commands(CLI::App& ports, Context& context);   // of `ports`: census, plans, log, tail, data
+void add_keeping_commands(CLI::App& app, Context& context);   // audit, backup
 
 /// Adds --json, --lang, --session and all groups.
 void add_client(CLI::App& app, Context& context);

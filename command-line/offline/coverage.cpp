@@ -5,10 +5,13 @@
 #include <charconv>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "command-line/offline/off_panel.hpp"
 #include "dialects/catalogue.hpp"
 #include "dialects/dialect.hpp"
+#include "interpreter/system_variables.hpp"
+#include "macro/rules.hpp"
 #include "tables/citations.hpp"
 #include "tables/gcodes_fanuc_0i_m.hpp"
 #include "tables/gcodes_fanuc_0i_t.hpp"
@@ -51,7 +54,8 @@ bool speaks_for(std::string_view place, std::string_view profile) {
   if (!place.starts_with(kDialects) || place.find('/', kDialects.size()) == place.npos) return true;
   const std::string_view folder =
       place.substr(kDialects.size(), place.find('/', kDialects.size()) - kDialects.size());
-  return profile == folder || (profile.starts_with(folder) && profile.size() == folder.size() + 2);
+  // "gsk" speaks for gsk-2000tc and gsk-218t, "fanuc-0i" for both series.
+  return profile == folder || (profile.starts_with(folder) && profile[folder.size()] == '-');
 }
 
 // Where a number is read or raised; empty when nowhere.
@@ -82,7 +86,8 @@ CoverageOf gcodes(std::string_view profile) {
 }
 
 // A code for the machine counts as done: the interpreter passes it on and the ladder answers. "M(No.5210)" is
-// a code that a parameter chooses; "M51..M70" stands for all of them.
+// a code that a parameter chooses; "M51..M70" and "M9000-M9999" stand for all of them, "M(other)" for those that
+// no rule names.
 bool carried_out(std::string_view profile, std::string_view code) {
   constexpr std::string_view kByParameter = "M(No.";
   if (code.starts_with(kByParameter)) {
@@ -90,9 +95,14 @@ bool carried_out(std::string_view profile, std::string_view code) {
     return !cited(profile, number.substr(0, number.find_first_of("-)")), 'p').empty();
   }
   const dialects::Dialect& dialect = *dialects::find(profile);
-  const std::size_t between = code.find("..");
+  if (code == "M(other)") return dialect.m_action(999) == dialects::MAction::own;
+  if (code == "M198") return dialect.macros != nullptr && dialect.macros->external_call;
+  const bool interrupts = dialect.macros != nullptr && dialect.macros->interruption;
+  if (interrupts && (code == "M96" || code == "M97")) return true;
+  const std::size_t between = std::min(code.find(".."), code.find('-'));
   const auto first = code.starts_with('M') ? whole(code.substr(1, between - 1)) : std::nullopt;
-  const auto last = between == code.npos ? first : whole(code.substr(between + 3));
+  auto last = first;
+  if (between != code.npos) last = whole(code.substr(code.find_first_of("0123456789", between)));
   if (!first || !last) return false;
   for (std::int32_t number = *first; number <= *last; ++number)
     if (dialect.m_action(number) == dialects::MAction::unavailable) return false;
@@ -128,22 +138,93 @@ CoverageOf alarms(std::string_view profile) {
   return part;
 }
 
+// Rows of parameters that are read by counting on from their first: "6050" stands for 6050 to 6059.
+bool counted_on(std::string_view profile, std::string_view number) {
+  const dialects::Dialect& dialect = *dialects::find(profile);
+  const auto wanted = whole(number);
+  if (!wanted) return false;
+  const auto in_row = [&](std::string_view first, int count) {
+    const auto from = whole(first);
+    return from && *wanted >= *from && *wanted < *from + count;
+  };
+  if (in_row(dialect.look_ahead.held_m, dialect.look_ahead.held_m_count) ||
+      in_row(dialect.look_ahead.held_m_ranges, dialect.look_ahead.held_m_range_count))
+    return true;
+  if (dialect.macros == nullptr) return false;
+  const macro::Rules& rules = *dialect.macros;
+  return in_row(rules.g_macros.first_parameter, rules.g_macros.count) ||
+         in_row(rules.m_macros.first_parameter, rules.m_macros.count) ||
+         in_row(rules.m_subs.first_parameter, rules.m_subs.count);
+}
+
 CoverageOf parameters(std::string_view profile) {
   CoverageOf part{"parameters", {}};
   for (const auto& parameter : dialects::parameters(profile)) {
     std::string_view place = cited(profile, parameter.number, 'p');
     // A row for several numbers, "6411-6490".
     if (place.empty()) place = cited(profile, parameter.number.substr(0, parameter.number.find('-')), 'p');
+    if (place.empty()) place = cited(profile, parameter.number.substr(0, parameter.number.find('/')), 'p');
+    if (place.empty() && counted_on(profile, parameter.number)) place = "macro::Rules, LookAheadRules";
     part.items.push_back({parameter.number, parameter.symbol.empty() ? parameter.meaning : parameter.symbol,
                           place.empty() ? State::missing : State::done, place});
   }
   return part;
 }
 
+// Whether programs may use this number: a local, a common, or a row of the dialect's system variables.
+// @return the last number of the range it is in; nothing: no such variable.
+std::optional<std::uint32_t> last_known(const dialects::Dialect& dialect, std::uint32_t number) {
+  if (dialect.macros != nullptr) {
+    const macro::Rules& rules = *dialect.macros;
+    if (number <= rules.locals && (rules.locals > 0 || number > 0)) return rules.locals;
+    for (const macro::CommonRange& range : rules.common)
+      if (number >= range.first && number <= range.last) return range.last;
+  }
+  std::optional<std::uint32_t> last;
+  for (const interp::SystemVariable& row : dialect.system_variables)
+    if (number >= row.first && number <= row.last) last = std::max(last.value_or(0), row.last);
+  return last;
+}
+
+// "#5001-#5005", "#200..#231", "#3003 bit0": every number of every range in it is a variable.
+bool all_known(const dialects::Dialect& dialect, std::string_view row) {
+  bool any = false;
+  std::size_t at = 0;
+  const auto number = [&](std::uint32_t& value) {
+    const auto [stop, error] = std::from_chars(row.data() + at, row.data() + row.size(), value);
+    at = static_cast<std::size_t>(stop - row.data());
+    return error == std::errc{};
+  };
+  for (at = row.find('#'); at < row.size(); at = row.find('#', at)) {
+    ++at;
+    std::uint32_t first = 0;
+    if (!number(first)) continue;
+    std::uint32_t last = first;
+    std::size_t next = at;
+    while (next < row.size() && (row[next] == '-' || row[next] == '.')) ++next;
+    if (next != at && next < row.size()) {
+      if (row[next] == '#') ++next;
+      const std::size_t before = std::exchange(at, next);
+      if (!number(last)) at = before;
+    }
+    any = true;
+    for (std::uint64_t one = first; one <= last;) {
+      const auto known = last_known(dialect, static_cast<std::uint32_t>(one));
+      if (!known) return false;
+      one = std::uint64_t{*known} + 1;
+    }
+  }
+  return any;
+}
+
 CoverageOf variables(std::string_view profile) {
   CoverageOf part{"variables", {}};
-  for (const auto& variable : dialects::variables(profile))
-    part.items.push_back({variable.number, variable.meaning, State::missing, {}});
+  const dialects::Dialect& dialect = *dialects::find(profile);
+  for (const auto& variable : dialects::variables(profile)) {
+    const bool done = all_known(dialect, variable.number);
+    part.items.push_back({variable.number, variable.meaning, done ? State::done : State::missing,
+                          done ? std::string_view("system variables") : std::string_view()});
+  }
   return part;
 }
 

@@ -202,6 +202,8 @@ void JsonLines::append(const interp::Operation& operation, std::string& out) con
             r.count("input", op.input);
             r.truth("input_level", op.input_level);
           }
+          if (op.counts_part) r.truth("counts_part", true);
+          if (op.clears_parts) r.truth("clears_parts", true);
         } else if constexpr (std::is_same_v<T, interp::Message>) {
           r.begin("message", op.at);
           r.word("text", op.text);

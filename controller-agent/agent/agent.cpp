@@ -7,14 +7,19 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "agent/dnc_input.hpp"
+#include "agent/panel_manual.hpp"
 #include "agent/panel_server.hpp"
 #include "link/live_json.hpp"
+#include "link/program_request.hpp"
 #include "protocol/wire/reasons.hpp"
 
 namespace headstock::agent {
 namespace {
 
 using nlohmann::json;
+/// A server that does not answer any more does not keep a machine from being switched off.
+constexpr std::chrono::milliseconds kGoodByeWithin{1'000};
 
 std::unique_ptr<link::Spool> open_spool(const std::filesystem::path& file, bool set_aside_damaged) {
   try {
@@ -68,6 +73,12 @@ Agent::Agent(AgentOptions options)
   controller_options.switches = options_.switches;
   controller_ = std::make_unique<operation::Controller>(machine_, read_data(*spool_, machine_),
                                                         std::move(controller_options));
+  // What the control itself sets at power on (variables that begin as 0) is on the disk before anybody is told of it.
+  if (const interp::MachineData now = controller_->data(); now.version != read_data(*spool_, machine_).version) {
+    const link::RetainedValue value = data_value(now, machine_);
+    spool_->commit({}, {&value, 1});
+  }
+  desk_ = std::make_unique<DataDesk>(*controller_, *spool_);
   const SelectedProgram last = read_selected(*spool_);
   if (!last.name.empty() && select(last.name, operation::Origin::panel).accepted && selected_.sha256 != last.sha256) {
     spdlog::warn("the selected program {} is not the same as before the restart", last.name);
@@ -76,8 +87,19 @@ Agent::Agent(AgentOptions options)
     const operation::Live now = controller_->live();
     return now.program_name == name && now.state != operation::State::idle && now.state != operation::State::alarm;
   });
+  manual_ = std::make_unique<PanelManual>(io_, *controller_);
   panel_ = std::make_unique<PanelServer>(io_, folder_.panel_socket(),
                                          [this](const std::string& request) { return panel(request); });
+  if (options_.dnc) {
+    dnc_ = std::make_unique<DncInput>(
+        io_.get_executor(), *options_.dnc,
+        [this](std::unique_ptr<program::Source> stream, std::function<std::string()> why) {
+          const auto result = controller_->select_stream("DNC", {}, std::move(stream), 0, operation::Origin::panel,
+                                                         std::move(why));
+          if (result.accepted) selected_ = {};
+          return result;
+        });
+  }
   if (options_.host.empty()) return;
   link::LinkOptions link_options;
   link_options.host = options_.host;
@@ -107,6 +129,13 @@ void Agent::run() {
   for (int waited_ms = 0; waited_ms < 5'000 && controller_->live().state == operation::State::running; ++waited_ms) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+  if (dnc_) dnc_->switch_off();
+  if (link_ && link_->say_good_bye()) {
+    io_.restart();
+    const auto until = std::chrono::steady_clock::now() + kGoodByeWithin;
+    while (link_->connection_open() && std::chrono::steady_clock::now() < until)
+      io_.run_one_for(std::chrono::milliseconds(10));
+  }
   if (link_) link_->stop();
   panel_.reset();
   clock_.reset();
@@ -119,7 +148,9 @@ operation::Live Agent::live() { return controller_->live(); }
 std::string Agent::selected_sha256() { return selected_.sha256; }
 
 operation::CommandResult Agent::command(const operation::Command& command, const std::string& user) {
-  const auto result = controller_->command(command);
+  operation::Command named = command;
+  named.user = user;
+  const auto result = controller_->command(named);
   spdlog::info("{} from {}: {}", link::action_name(command.action), user,
                result.accepted ? "accepted" : "refused, " + result.reason);
   return result;
@@ -136,6 +167,7 @@ operation::CommandResult Agent::select(const std::string& name, operation::Origi
   if (!resident) return {false, "not_found"};
   const auto result = controller_->select(resident->name, resident->sha256, memory_, origin);
   if (result.accepted) {
+    if (dnc_) dnc_->switch_off();
     selected_ = {resident->name, resident->sha256};
     const link::RetainedValue value = selected_value(selected_);
     spool_->commit({}, {&value, 1});
@@ -145,10 +177,39 @@ operation::CommandResult Agent::select(const std::string& name, operation::Origi
 
 operation::CommandResult Agent::open_stream(const std::string& name, const std::string& sha256,
                                             std::unique_ptr<program::Source> stream, std::uint64_t total_bytes) {
-  const auto result =
-      controller_->select_stream(name, sha256, std::move(stream), total_bytes, operation::Origin::network);
-  if (result.accepted) selected_ = {name, sha256};
+  // What a person at this machine has asked for he has seen.
+  const auto origin = !requested_.empty() && link::same_program(requested_, name) ? operation::Origin::panel
+                                                                                  : operation::Origin::network;
+  const auto result = controller_->select_stream(name, sha256, std::move(stream), total_bytes, origin);
+  if (result.accepted) {
+    requested_.clear();
+    if (dnc_) dnc_->switch_off();
+    selected_ = {name, sha256};
+  }
   return result;
+}
+
+void Agent::request_answered(const std::string& name, const operation::CommandResult& answer) {
+  spdlog::info("the server was asked for {}: {}", name, answer.accepted ? "it comes" : answer.reason);
+  request_answer_ = answer.reason;
+  if (!answer.accepted) requested_.clear();
+}
+
+operation::CommandResult Agent::switch_dnc(bool on) {
+  if (!dnc_) return {false, "unsupported"};
+  if (on) return dnc_->switch_on();
+  dnc_->switch_off();
+  return {true, ""};
+}
+
+void Agent::write_data(const json& request, std::function<void(json)> done) {
+  desk_->write(request, std::move(done));
+}
+json Agent::data_report() {
+  return desk_->report();
+}
+void Agent::events_committed() {
+  desk_->committed();
 }
 
 void Agent::link_up(const link::ServerSettings& settings) {
@@ -157,6 +218,7 @@ void Agent::link_up(const link::ServerSettings& settings) {
 
 void Agent::link_lost(const std::string& reason) {
   controller_->link_lost();
+  requested_.clear();
   spdlog::warn("link to the server lost: {}; remote operation is no longer armed", reason);
 }
 
@@ -172,18 +234,41 @@ std::string Agent::panel(const std::string& request) {
     json state = link::live_to_json(controller_->live(), selected_.sha256);
     state["machine_name"] = machine_.name;
     state["profile"] = machine_.profile;
+    state["parameter_write"] = desk_->parameter_write();
     if (link_) {
       const link::LinkStatus status = link_->status();
       state["link"] = {{"connected", status.connected}, {"detail", status.detail}, {"pending", status.events_pending}};
     } else {
       state["link"] = nullptr;
     }
+    if (dnc_) {
+      const DncInput::Status now = dnc_->status();
+      state["dnc"] = {{"port", dnc_->settings().port}, {"state", name_of(now.state)}, {"open", now.open},
+                      {"reason", now.reason},          {"received", now.received},    {"buffered", now.buffered},
+                      {"last", {{"bytes", now.bytes}, {"sha256", now.sha256}, {"outcome", now.outcome}}}};
+    }
+    state["request"] = {{"name", requested_}, {"reason", request_answer_}};
     json resident = json::array();
     for (const auto& program : memory_->census()) resident.push_back({{"name", program.name}, {"bytes", program.bytes}});
     state["programs"] = std::move(resident);
     return state.dump();
   }
   if (verb == "select") return answer_json(select(text("name"), operation::Origin::panel)).dump();
+  if (verb == "set_value" || verb == "measured_value") {
+    const auto result = desk_->write_here(text("name"), verb == "set_value" ? "panel" : "measurement");
+    spdlog::info("{} at the panel: {}", text("name"), result.accepted ? "written" : "refused, " + result.reason);
+    return answer_json({result.accepted, result.reason}).dump();
+  }
+  if (verb == "get_value") {
+    const auto value = desk_->value_here(text("name"));
+    if (!value) return answer_json({false, "bad_place"}).dump();
+    return json{{"accepted", true}, {"reason", ""}, {"value", *value ? json(**value) : json(nullptr)}}.dump();
+  }
+  if (verb == "parameter_write") {
+    desk_->parameter_write(asked.value("value", json(0)) != json(0));
+    spdlog::warn("parameters may be written: {}", desk_->parameter_write());
+    return answer_json({true, {}}).dump();
+  }
   if (verb == "load") {
     const std::string file = text("file");
     std::ifstream in(file, std::ios::binary);
@@ -192,6 +277,26 @@ std::string Agent::panel(const std::string& request) {
     content << in.rdbuf();
     const auto put = memory_->put(std::filesystem::path(file).filename().string(), content.str());
     return answer_json({put.ok(), put.reason}).dump();
+  }
+  if (const auto by_hand = manual_->carry_out(verb, asked)) {
+    if (verb != "jog" || !by_hand->accepted)
+      spdlog::info("{} at the panel: {}", request, by_hand->accepted ? "accepted" : "refused, " + by_hand->reason);
+    return answer_json(*by_hand).dump();
+  }
+  if (verb == "request") {
+    requested_ = text("name");
+    request_answer_.clear();
+    if (requested_.empty() || !link_ || !link_->request(requested_)) {
+      requested_.clear();
+      return answer_json({false, "not_connected"}).dump();
+    }
+    return answer_json({true, ""}).dump();
+  }
+  if (verb == "dnc_input") {
+    const bool on = asked.contains("value") && asked["value"].is_number() && asked["value"].get<double>() != 0;
+    const auto switched = switch_dnc(on);
+    spdlog::info("DNC input {} at the panel: {}", on ? "on" : "off", switched.accepted ? "done" : switched.reason);
+    return answer_json(switched).dump();
   }
   operation::Action action{};
   if (!link::action_from_name(verb, action)) return answer_json({false, "unknown_command"}).dump();

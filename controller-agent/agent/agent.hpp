@@ -4,9 +4,12 @@
 #include <boost/asio/io_context.hpp>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
+#include "agent/data_desk.hpp"
 #include "agent/data_folder.hpp"
+#include "agent/dnc_settings.hpp"
 #include "agent/machine_clock.hpp"
 #include "agent/retained.hpp"
 #include "agent/storage.hpp"
@@ -19,6 +22,8 @@
 
 namespace headstock::agent {
 
+class DncInput;
+class PanelManual;
 class PanelServer;
 
 struct AgentOptions {
@@ -31,6 +36,7 @@ struct AgentOptions {
   interp::Switches switches;           ///< --set
   std::size_t drip_buffer_bytes = 1u << 20;
   bool set_aside_damaged = false;      ///< --set-aside-damaged
+  std::optional<DncSettings> dnc;      ///< --dnc: the machine's own line for somebody else's DNC software
 };
 
 class Agent final : public link::LinkHost {
@@ -56,24 +62,34 @@ class Agent final : public link::LinkHost {
   operation::CommandResult select(const std::string& name, const std::string& user) override;
   operation::CommandResult open_stream(const std::string& name, const std::string& sha256,
                                        std::unique_ptr<program::Source> stream, std::uint64_t total_bytes) override;
+  void request_answered(const std::string& name, const operation::CommandResult& answer) override;
+  void write_data(const nlohmann::json& request, std::function<void(nlohmann::json)> done) override;
+  nlohmann::json data_report() override;
+  void events_committed() override;
   void link_up(const link::ServerSettings& settings) override;
   void link_lost(const std::string& reason) override;
 
  private:
   operation::CommandResult select(const std::string& name, operation::Origin origin);
+  operation::CommandResult switch_dnc(bool on);
 
+  boost::asio::io_context io_;  // outlives everything that may still tell it something
   AgentOptions options_;
   DataFolder folder_;
   machine::Machine machine_;
   std::unique_ptr<link::Spool> spool_;
   std::shared_ptr<link::ProgramMemory> memory_;
   std::unique_ptr<operation::Controller> controller_;
+  std::unique_ptr<DataDesk> desk_;
   std::unique_ptr<Storage> storage_;
   std::unique_ptr<MachineClock> clock_;
-  boost::asio::io_context io_;
+  std::unique_ptr<DncInput> dnc_;
   std::unique_ptr<link::Link> link_;
+  std::unique_ptr<PanelManual> manual_;
   std::unique_ptr<PanelServer> panel_;
   SelectedProgram selected_;
+  std::string requested_;       ///< asked for at the panel, to be fed by the server
+  std::string request_answer_;  ///< why not: a message key
 };
 
 }  // namespace headstock::agent

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 
+#include "protocol/process/folder_lock.hpp"
+
 namespace headstock::agent {
 
 /// Where things are. The folder may be copied as a whole to a replacement computer.
@@ -11,9 +13,6 @@ class DataFolder {
   /// Makes the folder when missing and locks it until destruction. Throws std::runtime_error with a sentence for a
   /// person when it cannot be used or another agent uses it.
   explicit DataFolder(std::filesystem::path folder);
-  ~DataFolder();
-  DataFolder(const DataFolder&) = delete;
-  DataFolder& operator=(const DataFolder&) = delete;
 
   std::filesystem::path spool() const { return folder_ / "spool.db"; }
   std::filesystem::path programs() const { return folder_ / "programs"; }
@@ -24,7 +23,7 @@ class DataFolder {
 
  private:
   std::filesystem::path folder_;
-  int lock_ = -1;
+  protocol::FolderLock lock_;
 };
 
 }  // namespace headstock::agent

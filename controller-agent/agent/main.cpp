@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
                "headstock-agent"};
   app.set_version_flag("--version", std::string("headstock-agent ") + HEADSTOCK_VERSION);
   AgentOptions options;
-  std::string server = "127.0.0.1:7878", clock = "real";
+  std::string server = "127.0.0.1:7878", clock = "real", dnc;
   std::vector<std::string> settings, words;
   std::filesystem::path panel_folder;
   app.add_option("--data", options.data, "Folder for everything this machine keeps");
@@ -82,6 +82,9 @@ int main(int argc, char** argv) {
   app.add_option("--drip-buffer", options.drip_buffer_bytes, "Bytes kept ahead of a drip-feed")->capture_default_str();
   app.add_option("--clock", clock, "real, or fast: simulated drives only, periods as fast as possible")
       ->check(CLI::IsMember({"real", "fast"}));
+  app.add_option("--dnc", dnc,
+                 "The machine's own line for other DNC software: PORT[,line=9600-8-N-1-software][,code=iso] …, "
+                 "PORT a device, tcp://HOST:PORT, rfc2217://HOST:PORT or listen://ADDRESS:PORT");
   app.add_flag("--set-aside-damaged", options.set_aside_damaged,
                "Keep a damaged event spool for rescue and start with an empty one");
   CLI::App* panel = app.add_subcommand("panel", "The machine's panel: " + headstock::agent::panel_help());
@@ -92,6 +95,11 @@ int main(int argc, char** argv) {
     if (panel->parsed()) return headstock::agent::run_panel(panel_folder, words);
     if (options.data.empty()) throw CLI::RequiredError("--data");
     read_server(server, options);
+    if (!dnc.empty()) {
+      options.dnc.emplace();
+      const std::string wrong = headstock::agent::read_dnc_settings(dnc, *options.dnc);
+      if (!wrong.empty()) throw CLI::ValidationError("--dnc", wrong);
+    }
     for (const std::string& setting : settings) read_setting(setting, options.switches);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 1;

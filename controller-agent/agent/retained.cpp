@@ -1,7 +1,10 @@
 #include "agent/retained.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include "dialects/data_rules.hpp"
 
 namespace headstock::agent {
 namespace {
@@ -10,7 +13,6 @@ using nlohmann::json;
 constexpr const char* kCounters = "counters";
 constexpr const char* kSelected = "selected";
 constexpr const char* kData = "data";
-constexpr std::uint32_t kFirstRetained = 500;  // the variables below do not outlive the power of any control
 
 std::vector<char> axis_names(const machine::Machine& machine) {
   std::vector<char> names;
@@ -27,6 +29,16 @@ json parsed(const link::Spool& spool, const char* key) {
   return value;
 }
 
+/// Rows behind the last one with anything in it need not be kept.
+void drop_empty_rows(std::vector<interp::ToolOffset>& tools) {
+  const auto empty = [](const interp::ToolOffset& tool) {
+    const auto zero = [](double value) { return value == 0; };
+    return std::ranges::all_of(tool.geometry, zero) && std::ranges::all_of(tool.wear, zero) && tool.radius == 0 &&
+           tool.radius_wear == 0 && tool.tip == 0;
+  };
+  while (!tools.empty() && empty(tools.back())) tools.pop_back();
+}
+
 }  // namespace
 
 link::RetainedValue counters_value(const operation::Retained& r) {
@@ -37,7 +49,8 @@ link::RetainedValue counters_value(const operation::Retained& r) {
                       {"last_alarm", r.last_alarm},
                       {"feed_override", r.feed_override},
                       {"rapid_override", r.rapid_override},
-                      {"spindle_override", r.spindle_override}};
+                      {"spindle_override", r.spindle_override},
+                      {"run_open", r.run_open}};
   return {kCounters, value.dump()};
 }
 
@@ -53,6 +66,7 @@ operation::Retained read_counters(const link::Spool& spool) {
   r.feed_override = value.value("feed_override", r.feed_override);
   r.rapid_override = value.value("rapid_override", r.rapid_override);
   r.spindle_override = value.value("spindle_override", r.spindle_override);
+  r.run_open = value.value("run_open", false);
   return r;
 }
 
@@ -67,31 +81,46 @@ SelectedProgram read_selected(const link::Spool& spool) {
   return {value.value("name", ""), value.value("sha256", "")};
 }
 
-link::RetainedValue data_value(const interp::MachineData& data, const machine::Machine& machine) {
+link::RetainedValue data_value(interp::MachineData data, const machine::Machine& machine) {
+  drop_empty_rows(data.tools);
   json variables = json::object();
-  for (const auto& [number, value] : data.common_variables) {
-    if (number >= kFirstRetained) variables[std::to_string(number)] = value;
-  }
+  for (const auto& [number, value] : data.common_variables) variables[std::to_string(number)] = value;
+  json names = json::object();
+  for (const auto& [number, name] : data.variable_names) names[std::to_string(number)] = name;
   const json value = {{"offsets", json::parse(interp::offsets_to_json(data, axis_names(machine)))},
                       {"parameters", data.parameters},
                       {"variables", std::move(variables)},
+                      {"variable_names", std::move(names)},
                       {"version", data.version}};
   return {kData, value.dump()};
 }
 
-interp::MachineData read_data(const link::Spool& spool, const machine::Machine& machine) {
+interp::MachineData read_data(const link::Spool& spool, const machine::Machine& machine, Variables which) {
+  const auto* dialect = dialects::find(machine.profile);
+  // Every row is there from the start: while a program runs no row can be added under the look-ahead's hands.
+  const auto with_rows = [dialect](interp::MachineData read) {
+    const std::size_t rows = dialect != nullptr ? dialect->tools.most_offsets + 1 : 0;
+    if (read.tools.size() < rows) read.tools.resize(rows);
+    return read;
+  };
   interp::MachineData data;
   const json value = parsed(spool, kData);
-  if (value.is_null()) return data;
+  if (value.is_null()) return with_rows(std::move(data));
   std::string problem = interp::load_offsets(value.at("offsets").dump(), axis_names(machine), data);
   if (problem.empty()) problem = interp::load_parameters(value.at("parameters").dump(), data);
   if (!problem.empty())
     throw std::runtime_error("the stored offsets and parameters cannot be read: " + problem);
-  for (const auto& [number, number_value] : value.at("variables").items()) {
-    data.common_variables[static_cast<std::uint32_t>(std::stoul(number))] = number_value.get<double>();
+  const dialects::OffsetPage page = dialect != nullptr ? dialects::offset_page(*dialect, data) : dialects::OffsetPage{};
+  for (const auto& [name, number_value] : value.at("variables").items()) {
+    const auto number = static_cast<std::uint32_t>(std::stoul(name));
+    const bool kept = number >= page.first_kept && number <= page.last_kept;
+    if (kept || which == Variables::all) data.common_variables[number] = number_value.get<double>();
   }
+  const json names = value.value("variable_names", json::object());
+  for (const auto& [number, name] : names.items())
+    data.variable_names[static_cast<std::uint32_t>(std::stoul(number))] = name.get<std::string>();
   data.version = value.value("version", std::uint64_t{0});
-  return data;
+  return with_rows(std::move(data));
 }
 
 }  // namespace headstock::agent

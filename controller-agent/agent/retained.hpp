@@ -19,11 +19,14 @@ struct SelectedProgram {
 link::RetainedValue counters_value(const operation::Retained& retained);
 link::RetainedValue selected_value(const SelectedProgram& selected);
 /// Offsets, parameters and common variables, as one text.
-link::RetainedValue data_value(const interp::MachineData& data, const machine::Machine& machine);
+link::RetainedValue data_value(interp::MachineData data, const machine::Machine& machine);
 
 /// Each throws std::runtime_error when the stored text is not understood: a machine must not start with half its offsets.
 operation::Retained read_counters(const link::Spool& spool);
 SelectedProgram read_selected(const link::Spool& spool);
-interp::MachineData read_data(const link::Spool& spool, const machine::Machine& machine);
+/// Variables that do not outlive the power of the control (#100 to #199) are on the disk too, for what is reported.
+enum class Variables : bool { kept, all };
+interp::MachineData read_data(const link::Spool& spool, const machine::Machine& machine,
+                              Variables which = Variables::kept);
 
 }  // namespace headstock::agent

@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <variant>
 #include <vector>
 
 #include "agent/retained.hpp"
@@ -13,8 +12,6 @@ namespace headstock::agent {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr std::size_t kAtOnce = 64;
-constexpr auto kPoll = 2ms;
 constexpr auto kRetry = 500ms;
 
 bool same_settings(const operation::Retained& a, const operation::Retained& b) {
@@ -26,10 +23,16 @@ bool same_settings(const operation::Retained& a, const operation::Retained& b) {
 
 Storage::Storage(operation::Controller& controller, link::Spool& spool)
     : controller_(controller), spool_(spool), kept_(controller.retained()) {
+  controller_.on_event([this] {
+    const std::scoped_lock lock(mutex_);
+    something_ = true;
+    woken_.notify_one();
+  });
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
 Storage::~Storage() {
+  controller_.on_event({});
   thread_.request_stop();
   thread_.join();
 }
@@ -41,22 +44,20 @@ void Storage::run(const std::stop_token& stop) {
     while (commit_some()) {
     }
     if (last_look) return;
-    std::this_thread::sleep_for(kPoll);
+    std::unique_lock lock(mutex_);
+    woken_.wait(lock, stop, [this] { return something_; });
+    something_ = false;
   }
 }
 
 bool Storage::commit_some() {
+  const operation::Taken taken = controller_.take_events();
+  const operation::Retained& now = taken.retained;
+  if (taken.events.empty() && same_settings(now, kept_)) return false;
   std::vector<link::NewEvent> events;
-  bool data_changed = false;
-  operation::TimedEvent event;
-  while (events.size() < kAtOnce && controller_.take_event(event)) {
-    data_changed |= std::holds_alternative<operation::OffsetChanged>(event.event);
-    events.push_back(link::to_new_event(event));
-  }
-  const operation::Retained now = controller_.retained();
-  if (events.empty() && same_settings(now, kept_)) return false;
+  for (const operation::TimedEvent& event : taken.events) events.push_back(link::to_new_event(event));
   std::vector<link::RetainedValue> retained{counters_value(now)};
-  if (data_changed) retained.push_back(data_value(controller_.data(), controller_.machine()));
+  if (taken.data) retained.push_back(data_value(*taken.data, controller_.machine()));
   while (true) {
     try {
       spool_.commit(events, retained);

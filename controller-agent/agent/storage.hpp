@@ -2,6 +2,8 @@
 // that belong to it, and only then tells the controller to go on.
 #pragma once
 
+#include <condition_variable>
+#include <mutex>
 #include <thread>
 
 #include "link/spool.hpp"
@@ -27,6 +29,9 @@ class Storage {
   link::Spool& spool_;
   std::uint64_t committed_ = 0;
   operation::Retained kept_;
+  std::mutex mutex_;
+  std::condition_variable_any woken_;
+  bool something_ = true;  ///< there may be something to take
   std::jthread thread_;
 };
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "axes/electronic_gear.hpp"
 #include "machine/machine.hpp"
 
 namespace headstock::axes {
@@ -23,8 +24,20 @@ class Drive {
   virtual void command(const AxisVector& position) noexcept = 0;
   /// Measured position, machine coordinates.
   virtual AxisVector actual() const noexcept = 0;
-  /// The machine stands here (after homing, at start). Not while moving.
+  /// What is measured now is called this from now on (after homing, at start); nothing moves. Not while
+  /// moving.
   virtual void set_position(const AxisVector& position) noexcept = 0;
+
+  /// Gain of the axis' position loop [1/s]; 0: it follows without any lag.
+  virtual double position_gain(std::size_t) const noexcept { return 0; }
+
+  // ---- reference return of axes without an absolute encoder
+  /// The deceleration switch is touched.
+  virtual bool dog(std::size_t) const noexcept { return false; }
+  /// Way from the measured position to the next zero mark of the encoder; `sense` 1 or -1, so is the result's
+  /// sign.
+  virtual double way_to_mark(std::size_t, double) const noexcept { return 0; }
+  virtual double mark_distance(std::size_t) const noexcept { return 0; }
 };
 
 /// Follows without any error; for virtual time, where the commanded path itself is looked at.
@@ -60,31 +73,52 @@ class RecorderDrive final : public Drive {
   std::vector<AxisVector> record_;
 };
 
-/// A servo axis as a position loop over a velocity loop over an inertia: it lags by speed / position_gain,
-/// settles without overshoot, and cannot accelerate faster than its torque allows.
-struct ServoTuning {
-  double position_gain_per_s = 50;   ///< following error [mm] = speed [mm/s] / this
-  double velocity_gain_per_s = 600;  ///< 1 / time constant of the velocity loop
-  double torque_reserve = 2.5;       ///< greatest acceleration, as a multiple of the axis' max_acceleration
-};
-
+/// Servo axes as a position loop over a velocity loop over an inertia with friction: they lag by speed /
+/// position gain, settle without overshoot, and cannot accelerate faster than their torque allows. The
+/// numbers are those of the machine file (`[axis.X] position_gain_per_s`, `torque_reserve`, …).
 class SimulatedDrive final : public Drive {
  public:
-  SimulatedDrive(const machine::Machine& machine, const ServoTuning& tuning = {});
+  explicit SimulatedDrive(const machine::Machine& machine);
   void enable(bool on) noexcept override { enabled_ = on; }
   void command(const AxisVector& position) noexcept override;
-  AxisVector actual() const noexcept override { return position_; }
+  AxisVector actual() const noexcept override;
   void set_position(const AxisVector& position) noexcept override;
   /// Commanded minus measured [mm].
   AxisVector following_error() const noexcept;
+  double position_gain(std::size_t axis) const noexcept override { return servo_[axis].position_gain_per_s; }
+  bool dog(std::size_t axis) const noexcept override;
+  double way_to_mark(std::size_t axis, double sense) const noexcept override;
+  double mark_distance(std::size_t axis) const noexcept override { return servo_[axis].grid; }
+  /// Where the slide really is, whatever the control calls it.
+  double true_position(std::size_t axis) const noexcept { return servo_[axis].position + servo_[axis].zero; }
+  /// Before power on somebody has moved the slide here.
+  void place(std::size_t axis, double true_position_mm) noexcept;
+
+  // ---- faults, for tests and training; the thread that calls command()
+  /// The slide is jammed: no torque moves it.
+  void jam(std::size_t axis, bool jammed) noexcept { servo_[axis].jammed = jammed; }
+  /// Something moves the slide by this much at once [mm].
+  void push(std::size_t axis, double by_mm) noexcept { servo_[axis].position += by_mm; }
 
  private:
-  ServoTuning tuning_;
+  struct Servo {
+    double position_gain_per_s = 50, velocity_gain_per_s = 600;
+    double acceleration_limit = 0, friction = 0, encoder_mm = 0;
+    ElectronicGear gear;
+    double dog = 0, dog_width = 0, grid = 1;
+    double command = 0, position = 0, velocity = 0;  // as the control counts
+    double zero = 0;                                 // where its count is zero
+    bool jammed = false;
+    double measured() const noexcept;
+  };
+
   std::size_t axes_;
   double period_s_;
-  AxisVector acceleration_limit_{};
-  AxisVector command_{}, position_{}, velocity_{};
+  std::array<Servo, machine::kMaxAxes> servo_{};
   bool enabled_ = true;
 };
+
+/// The drive that the machine file names.
+std::unique_ptr<Drive> make_drive(const machine::Machine& machine);
 
 }  // namespace headstock::axes

@@ -55,26 +55,6 @@ bool inside_vector(const Segment& a, const Segment& b, double r, Point& out) {
   return true;
 }
 
-// Whether the straight way from one point to another leaves the whole block uncut.
-bool clears(const Segment& block, Point from, Point to, double r) {
-  constexpr int kParts = 16;
-  const Point way = to - from;
-  const double whole = dot(way, way);
-  for (int i = 0; i <= kParts; ++i) {
-    const double part = static_cast<double>(i) / kParts;
-    Point at = block.from + (block.to - block.from) * part;
-    if (block.arc) {
-      const Point arm = block.from - block.center;
-      const double by = block.turn * block.sweep * part;
-      at = block.center +
-           Point{arm.u * std::cos(by) - arm.v * std::sin(by), arm.u * std::sin(by) + arm.v * std::cos(by)};
-    }
-    const double near = whole > 0 ? std::fmax(0.0, std::fmin(1.0, dot(at - from, way) / whole)) : 0;
-    if (length(from + way * near - at) < r - kLonger_mm) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 Point normal_at_end(const Segment& segment, double r) {
@@ -196,6 +176,25 @@ Between check(const Segment& block, Point start, Point end) {
   // the controllers' half-turn rule alone would let small inside arcs do that.
   const double longer_mm = (sweep - block.sweep) * length(s - block.center);
   return longer_mm > kLonger_mm ? Between::reversed : Between::good;
+}
+
+bool clears(const Segment& block, Point from, Point to, double r) {
+  constexpr int kParts = 16;
+  const Point way = to - from;
+  const double whole = dot(way, way);
+  for (int i = 0; i <= kParts; ++i) {
+    const double part = static_cast<double>(i) / kParts;
+    Point at = block.from + (block.to - block.from) * part;
+    if (block.arc) {
+      const Point arm = block.from - block.center;
+      const double by = block.turn * block.sweep * part;
+      at = block.center +
+           Point{arm.u * std::cos(by) - arm.v * std::sin(by), arm.u * std::sin(by) + arm.v * std::cos(by)};
+    }
+    const double near = whole > 0 ? std::fmax(0.0, std::fmin(1.0, dot(at - from, way) / whole)) : 0;
+    if (length(from + way * near - at) < r - kLonger_mm) return false;
+  }
+  return true;
 }
 
 Between settle(const Segment& block, Vectors& start, Vectors& end, double r, bool& straight) {

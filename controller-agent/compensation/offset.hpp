@@ -85,6 +85,10 @@ Between check(const Segment& block, Point start, Point end);
 /// `straight`: the block is an arc that must run as a line now.
 Between settle(const Segment& block, Vectors& start, Vectors& end, double r, bool& straight);
 
+/// Whether the straight way from one point to another keeps the distance r (less 0.01 mm) from the whole
+/// block.
+bool clears(const Segment& block, Point from, Point to, double r);
+
 /// Leaves out vectors nearer than `limit` to the one before, in both axes.
 void merge_near(Vectors& vectors, double limit);
 

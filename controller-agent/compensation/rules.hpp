@@ -16,6 +16,7 @@ struct CornerRules {
   std::uint32_t comma_letters = 0;    ///< `,C` `,R` `,A` that exist here; see program::letters
   std::uint32_t named_letters = 0;    ///< `NC` `NR` `NA`
   std::string_view enable_parameter;  ///< bit that must not be 0; absent counts as 1
+  std::string_view angle_parameter;   ///< bit: angles likewise
   std::string_view comma_parameter;   ///< bit: commas are understood only when it is 1
   /// Bit: C R A are written without a comma, and a comma is an alarm (0i-T CCR). I J K R are no corners then.
   std::string_view bare_parameter;
@@ -26,9 +27,10 @@ struct CornerRules {
   char chamfer_word = 0, round_word = 0;   ///< words of their own (GSK2000TC L, D)
   double ignored_above_mm = 0;             ///< sizes above it, or below 0, are ignored; 0: they are alarms
   ChamferSize chamfer_size = ChamferSize::cut_back;
-  bool arcs = false;           ///< also in and before G02/G03
-  double parallel_deg = 0.01;  ///< angles nearer than this give no end point
-  int most_between = 1;        ///< blocks without motion between the two; more are an alarm
+  bool arcs = false;                ///< also in and before G02/G03
+  double parallel_deg = 0.01;       ///< angles nearer than this give no end point
+  std::string_view stop_parameter;  ///< bit: single block stops before the chamfer or round
+  int most_between = 1;             ///< blocks without motion between the two; more are an alarm
   bool any() const {
     return (comma_letters | named_letters) != 0 || perpendicular_words || chamfer_word != 0;
   }
@@ -38,8 +40,10 @@ struct CornerRules {
 struct CompensationRules {
   bool by_d = false;                  ///< the offset number is D (mill); otherwise that of the T word
   std::string_view off_parameter;     ///< bit: the machine does not have it
+  std::string_view mdi_alarm_parameter = {};  ///< bit: G41 and G42 are an alarm in MDI ("5008#4")
   std::string_view enable_parameter;  ///< bit that must not be 0; absent counts as 1
   std::string_view type_b_parameter;  ///< bit: start-up and cancel by type B
+  std::string_view type_c_parameter;  ///< bit: a start-up or cancel block without a move moves by the vector
   StartType start = StartType::a;
   bool start_by_normal = false;           ///< see OffsetRules
   std::string_view circular_parameter;    ///< bit: circles at outside corners
@@ -47,6 +51,9 @@ struct CompensationRules {
   std::string_view read_ahead_parameter;  ///< blocks read ahead, 3…8
   std::string_view near_parameter;        ///< vectors nearer than this [mm] count once
   std::string_view check_parameter;       ///< bit: 0 switches the interference check off; absent counts as 1
+  std::string_view avoid_parameter;       ///< bit: interference is avoided where it can be
+  std::string_view stop_parameter;        ///< bit: single block stops at the moves that compensation adds
+  bool calls_refused = false;             ///< M98 and M99 need G40
   bool tips_in_all_planes = true;         ///< otherwise the nose direction counts in G18 only
   bool zero_number_is_alarm = false;      ///< G41 with offset number 0
   bool again_is_perpendicular = false;    ///< the same G41/G42 again: the vector normal to the block before

@@ -28,6 +28,7 @@ bool thread_again(interp::Executor& ex);        // G192
 // hole_cycles.cpp
 bool hole_cycle(interp::Executor& ex);
 bool hole_cancel(interp::Executor& ex);
+// tapping.cpp
 bool tapping(interp::Executor& ex);
 
 /// Whether F of the cycle is a lead.

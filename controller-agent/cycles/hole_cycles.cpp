@@ -1,264 +1,20 @@
-// Hole cycles: which code does what on which control, their words, and how their moves become operations.
+// Hole cycles: their words, modal until G80 or a code of group 01.
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <span>
-#include <utility>
 
 #include "cycles/handlers.hpp"
-#include "cycles/holes.hpp"
+#include "cycles/hole_codes.hpp"
+#include "cycles/hole_run.hpp"
 #include "cycles/thread_words.hpp"
 #include "cycles/turning_run.hpp"
 
 namespace headstock::cycles {
 namespace {
 
+using enum HoleBottom;
 using interp::Executor;
 using interp::SpindleDirection;
-
-struct HoleCode {
-  std::int16_t tenths;
-  const char* name;
-  HoleKind kind;
-  char axis = 0;       ///< drilling axis where the code says so
-  bool rigid = false;  ///< always in step with the spindle
-};
-
-using enum HoleIn;
-using enum HoleBottom;
-
-constexpr HoleKind kDrill{};
-constexpr HoleKind kDwell{once, dwell};
-constexpr HoleKind kPeckBack{pecks_back};
-constexpr HoleKind kPeckOut{pecks_out};
-constexpr HoleKind kFeedOut{once, nothing, HoleOut::feed};
-constexpr HoleKind kDwellFeedOut{once, dwell, HoleOut::feed};
-constexpr HoleKind kStop{once, spindle_stop};
-constexpr HoleKind kFine{once, orient_shift};
-constexpr HoleKind kBack{up, orient_shift};
-constexpr HoleKind kManual{once, operator_out};
-constexpr HoleKind kTapRight{once, nothing, HoleOut::feed, HoleTap::right};
-constexpr HoleKind kTapLeft{once, nothing, HoleOut::feed, HoleTap::left};
-
-constexpr HoleCode kMill[] = {{730, "G73", kPeckBack},
-                              {740, "G74", kTapLeft},
-                              {760, "G76", kFine},
-                              {810, "G81", kDrill},
-                              {820, "G82", kDwell},
-                              {830, "G83", kPeckOut},
-                              {840, "G84", kTapRight},
-                              {842, "G84.2", kTapRight, 0, true},
-                              {843, "G84.3", kTapLeft, 0, true},
-                              {850, "G85", kFeedOut},
-                              {860, "G86", kStop},
-                              {870, "G87", kBack},
-                              {880, "G88", kManual},
-                              {890, "G89", kDwellFeedOut}};
-
-// 0i-T: face (Z) and side (X). Q makes G83/G87 peck; which way, a parameter says.
-constexpr HoleCode kTurning[] = {{810, "G81", kDrill, 'Z'},
-                                 {820, "G82", kDwell, 'Z'},
-                                 {830, "G83", {pecks_out, dwell}, 'Z'},
-                                 {831, "G83.1", {pecks_back, dwell}, 'Z'},
-                                 {840, "G84", kTapRight, 'Z'},
-                                 {842, "G84.2", kTapRight, 'Z', true},
-                                 {850, "G85", kDwellFeedOut, 'Z'},
-                                 {870, "G87", {pecks_out, dwell}, 'X'},
-                                 {880, "G88", kTapRight, 'X'},
-                                 {890, "G89", kDwellFeedOut, 'X'}};
-
-constexpr HoleCode kK2000[] = {
-    {810, "G81", kDrill},    {820, "G82", kDwell},     {830, "G83", kPeckOut}, {835, "G83.5", kPeckBack},
-    {840, "G84", kTapRight}, {845, "G84.5", kTapLeft}, {850, "G85", kFeedOut}, {860, "G86", kStop},
-    {865, "G86.5", kFine},   {870, "G87", kBack},      {880, "G88", kManual},  {890, "G89", kDwellFeedOut}};
-
-constexpr HoleCode k200t[] = {{730, "G73", kPeckBack, 'Z'}, {810, "G81", kDrill, 'Z'},
-                              {820, "G82", kDwell, 'Z'},    {830, "G83", {pecks_out_feed}, 'Z'},
-                              {850, "G85", kFeedOut, 'Z'},  {860, "G86", kStop, 'Z'}};
-
-std::span<const HoleCode> codes_of(HoleFamily family) {
-  switch (family) {
-    case HoleFamily::mill:
-      return kMill;
-    case HoleFamily::turning:
-      return kTurning;
-    case HoleFamily::k2000:
-      return kK2000;
-    case HoleFamily::lathe_200t:
-      return k200t;
-    case HoleFamily::none:
-      break;
-  }
-  return {};
-}
-
-struct Target {
-  std::uint32_t axes = 0;         ///< that move to the hole
-  interp::AxisVector step{};      ///< nano units; added for every repetition when incremental
-  std::uint32_t incremental = 0;  ///< axes whose step is an increment
-};
-
-class HoleRun final : public interp::MoveSource {
- public:
-  HoleRun(const Executor& ex, const Hole& hole, std::size_t axis, std::array<std::size_t, 2> plane,
-          Target target, std::int64_t times, std::int32_t clamp_m)
-      : hole_(hole),
-        axis_(axis),
-        plane_(plane),
-        target_(target),
-        left_(times),
-        clamp_m_(clamp_m),
-        feed_(ex.feed_mm),
-        unit_(ex.feed_unit) {}
-
-  bool next(Executor& ex) override {
-    for (;;) {
-      switch (stage_) {
-        case Stage::position: {
-          if (left_-- <= 0) return false;
-          stage_ = Stage::clamp;
-          if (go_to_hole(ex)) return true;
-          break;
-        }
-        case Stage::clamp:
-          stage_ = Stage::drill;
-          center_ = {ex.slide_mm(plane_[0]), ex.slide_mm(plane_[1])};
-          moves_ = drill(hole_);
-          if (clamp_m_ != 0) {
-            m_code(ex, clamp_m_);
-            return true;
-          }
-          break;
-        case Stage::drill: {
-          HoleMove move;
-          if (!moves_.next(move)) {
-            stage_ = Stage::position;
-            if (clamp_m_ != 0) {
-              m_code(ex, clamp_m_ + 1);
-              return true;
-            }
-            break;
-          }
-          if (emit(ex, move)) return true;
-          break;
-        }
-      }
-    }
-  }
-
- private:
-  enum class Stage : std::uint8_t { position, clamp, drill };
-
-  bool go_to_hole(Executor& ex) {
-    if (target_.axes == 0) return false;
-    for (std::uint32_t mask = target_.axes; mask != 0; mask &= mask - 1) {
-      const auto i = static_cast<std::size_t>(std::countr_zero(mask));
-      const auto step = static_cast<std::int64_t>(target_.step[i]);
-      interp::ProgramAxis& axis = ex.axes[i];
-      axis.position = (target_.incremental >> i & 1u) != 0 ? axis.position + step : step;
-    }
-    rapid(ex, target_.axes);
-    return true;
-  }
-  void rapid(Executor& ex, std::uint32_t axes) {
-    auto& motion = ex.emit<interp::Rapid>();
-    ex.fill_motion(motion, axes);
-    motion.linear = ex.linear_rapid;
-  }
-  void m_code(Executor& ex, std::int32_t number) {
-    auto& sent = ex.emit<interp::MCode>();
-    sent.at = ex.at;
-    sent.modal = ex.modal;
-    sent.code = number;
-  }
-  static void set(Executor& ex, std::size_t axis, double slide) {
-    ex.axes[axis].position = std::llround(slide / ex.axes[axis].mm_per_unit * 1e9);
-  }
-
-  bool emit(Executor& ex, const HoleMove& move) {
-    using Kind = HoleMove::Kind;
-    const std::uint32_t mask = 1u << axis_;
-    switch (move.kind) {
-      case Kind::rapid:
-      case Kind::feed: {
-        const double before = ex.work_now[axis_];
-        set(ex, axis_, move.to);
-        if (ex.shown(axis_) == before) return false;
-        if (move.kind == Kind::rapid) {
-          rapid(ex, mask);
-        } else {
-          auto& motion = ex.emit<interp::Feed>();
-          ex.fill_motion(motion, mask);
-          motion.feed = feed_;
-          motion.unit = unit_;
-        }
-        return true;
-      }
-      case Kind::dwell: {
-        auto& pause = ex.emit<interp::Dwell>();
-        pause.at = ex.at;
-        pause.modal = ex.modal;
-        pause.seconds = move.seconds;
-        return true;
-      }
-      case Kind::spindle:
-        ex.spindle_direction = move.direction;
-        ex.emit_spindle();
-        return true;
-      case Kind::orient:
-        m_code(ex, 19);
-        return true;
-      case Kind::shift: {
-        std::uint32_t moved = 0;
-        const std::array<double, 2> by{move.u, move.v};
-        for (std::size_t i = 0; i < 2; ++i) {
-          const std::size_t axis = plane_[i];
-          if (axis == axis_) continue;
-          const double before = ex.work_now[axis];
-          set(ex, axis, center_[i] + by[i]);
-          if (ex.shown(axis) != before) moved |= 1u << axis;
-        }
-        if (moved == 0) return false;
-        rapid(ex, moved);
-        return true;
-      }
-      case Kind::operator_stop: {
-        auto& stop = ex.emit<interp::Stop>();
-        stop.at = ex.at;
-        stop.modal = ex.modal;
-        return true;
-      }
-      case Kind::tap: {
-        set(ex, axis_, move.to);
-        auto& motion = ex.emit<interp::Tap>();
-        ex.fill_motion(motion, mask);
-        motion.bottom_work = motion.end_work;
-        motion.bottom_machine = motion.end_machine;
-        motion.bottom_work[axis_] = move.bottom / ex.axes[axis_].mm_per_unit;
-        motion.bottom_machine[axis_] = move.bottom + ex.modal.work_zero[axis_];
-        motion.kind = hole_.follows ? interp::TapKind::follows : interp::TapKind::rigid;
-        motion.pitch_mm = hole_.pitch_mm;
-        motion.rpm = ex.rpm;
-        motion.direction = move.direction;
-        motion.dwell_s = move.seconds;
-        return true;
-      }
-    }
-    return false;
-  }
-
-  Hole hole_;
-  std::size_t axis_;
-  std::array<std::size_t, 2> plane_;
-  Target target_;
-  std::int64_t left_;
-  std::int32_t clamp_m_;
-  double feed_;
-  interp::FeedUnit unit_;
-  Stage stage_ = Stage::position;
-  std::array<double, 2> center_{};
-  HoleMoves moves_;
-};
 
 char drilling_axis(Executor& ex, const Rules& rules, const HoleCode& code) {
   if (code.axis != 0) return code.axis;
@@ -380,10 +136,8 @@ bool hole_cycle(Executor& ex) {
   const program::Block& b = ex.block;
   const bool modal = ex.code->phase == dialects::Phase::hole;
   interp::HoleWords& words = ex.cycle.hole;
-  const auto codes = codes_of(rules.holes);
-  const auto code = std::find_if(codes.begin(), codes.end(),
-                                 [&](const HoleCode& one) { return one.tenths == ex.code->tenths; });
-  if (code == codes.end())
+  const HoleCode* code = hole_code(rules.holes, ex.code->tenths);
+  if (code == nullptr)
     return ex.alarm(dialects::AlarmReason::g_unavailable, ex.code_column, std::string(ex.code->name));
 
   const char name = drilling_axis(ex, rules, *code);
@@ -431,7 +185,7 @@ bool hole_cycle(Executor& ex) {
     ex.fill_motion(motion, moved);
     return true;
   }
-  if (!words.has_bottom) return fail(ex, rules, Fault::hole_depth, name);
+  if (!words.has_bottom) return fail(ex, rules, Fault::hole_axis, name);
 
   Hole hole;
   hole.kind = code->kind;
@@ -441,7 +195,15 @@ bool hole_cycle(Executor& ex) {
   hole.to_reference = returns_to_r(ex) && hole.kind.in != HoleIn::up;
   hole.peck = words.peck;
   hole.dwell_s = words.dwell_s;
-  hole.turning = ex.spindle_direction == SpindleDirection::stop ? SpindleDirection::cw : ex.spindle_direction;
+  if (rules.holes == HoleFamily::turning && hole.kind.out == HoleOut::feed && hole.kind.tap == HoleTap::none)
+    hole.out_ratio = ex.data.parameter("5149", 100) / 100;  // G85, G89
+  if (!(hole.out_ratio >= 0.01 && hole.out_ratio <= 20)) return fail(ex, rules, Fault::value, 0, "No.5149");
+  hole.main_turns = ex.spindle_direction != SpindleDirection::stop;
+  hole.dwell_at_reference = rules.holes != HoleFamily::k2000;
+  if (rules.driven_m != 0 && ex.cycle.driven_m != 0) hole.driven_m = rules.driven_m;
+  hole.turning = ex.cycle.driven_m == rules.driven_m + 1 && hole.driven_m != 0 ? SpindleDirection::ccw
+                 : ex.spindle_direction == SpindleDirection::stop              ? SpindleDirection::cw
+                                                                               : ex.spindle_direction;
   const bool pecking = hole.kind.in == HoleIn::pecks_back || hole.kind.in == HoleIn::pecks_out ||
                        hole.kind.in == HoleIn::pecks_out_feed;
   if (pecking && hole.peck <= 0 && rules.holes != HoleFamily::turning)
@@ -467,17 +229,21 @@ bool hole_cycle(Executor& ex) {
   if (hole.kind.in == HoleIn::up ? same_way : false) return fail(ex, rules, Fault::hole_depth, name);
   if (hole.kind.tap != HoleTap::none && !prepare_tap(ex, rules, *code, hole)) return false;
   if (!(hole.synchronous && rules.holes == HoleFamily::k2000) && !check_feed(ex)) return false;
-  ex.cycle.name = code->name;
-  ex.cycle.starts_cycle = true;
-  std::array<std::size_t, 2> plane{0, 0};
+  HoleJob job;
+  job.axis = *axis;
+  job.target = target;
+  job.times = times;
+  job.clamp_m = words.clamp ? ex.cycle.clamp_m : 0;
+  job.stops = rules.holes != HoleFamily::lathe_200t;
+  std::array<std::size_t, 2>& plane = job.plane;
   std::size_t count = 0;
   for (std::size_t i = 0; i < ex.axes.size() && count < 2; ++i) {
     if (i != *axis && !ex.axes[i].rotary) plane[count++] = i;
   }
   if (count == 1) plane[1] = *axis;
   if (count == 0) plane = {*axis, *axis};
-  const std::int32_t clamp = words.clamp ? ex.cycle.clamp_m : 0;
-  ex.cycle.running = std::make_unique<HoleRun>(ex, hole, *axis, plane, target, times, clamp);
+  job.hole = hole;
+  start_holes(ex, code->name, job);
   return true;
 }
 
@@ -485,58 +251,6 @@ bool hole_cycle(Executor& ex) {
 bool hole_cancel(Executor& ex) {
   ex.cycle.hole = {};
   ex.cycle.rigid_next = false;
-  return true;
-}
-
-// Tapping with the feed axis tied to the spindle: GSK G84/G88 and G33, K2000TC and 200T G93.
-bool tapping(Executor& ex) {
-  const Rules& rules = rules_of(ex.dialect);
-  const program::Block& b = ex.block;
-  const char name = ex.code->tenths == 880 ? 'X' : 'Z';
-  const char step = name == 'X' ? 'U' : 'W';
-  const auto axis = ex.axis_named(name);
-  if (!axis) return fail(ex, rules, Fault::hole_axis, name);
-  for (std::uint32_t mask = b.words & ex.axis_letters; mask != 0; mask &= mask - 1) {
-    const auto letter = static_cast<unsigned>(std::countr_zero(mask));
-    if (static_cast<std::size_t>(ex.axis_of[letter]) != *axis) {
-      return fail(ex, rules, Fault::hole_axis, static_cast<char>('A' + letter));
-    }
-  }
-  const auto bottom = target_word(ex, *axis, name, step);
-  if (!bottom || std::fabs(*bottom - ex.slide_mm(*axis)) < kTiny) return true;  // no move: no tapping
-  if (b.has('F') && b.has('I')) return ex.alarm(dialects::AlarmReason::thread_f_and_i, b['I'].column, "I");
-  if (b.has('F')) ex.lead_mm = b['F'].value() * ex.unit_mm;
-  if (b.has('I')) ex.lead_mm = b['I'].value() > 0 ? 25.4 / b['I'].value() : 0;
-  if (!(ex.lead_mm > 0)) return fail(ex, rules, Fault::thread_lead, 'F');
-  for (const char letter : {'L', 'Q', 'P'}) {
-    if (b.has(letter) && b[letter].value() != 0 && !(letter == 'L' && b['L'].value() == 1))
-      return fail(ex, rules, Fault::unfinished, letter, std::string("tapping ") + letter);
-  }
-  Hole hole;
-  hole.kind = kTapRight;
-  hole.initial = hole.reference = ex.slide_mm(*axis);
-  hole.bottom = *bottom;
-  hole.pitch_mm = ex.lead_mm;
-  hole.synchronous = true;
-  const bool rigid = ex.cycle.rigid_next || ex.data.bit(rules.rigid_tap_parameter);
-  hole.follows = !rigid;
-  if (rigid && !(ex.rpm > 0)) return fail(ex, rules, Fault::rigid_speed, 'S');
-  if (!rigid && ex.spindle_direction == SpindleDirection::stop)
-    return fail(ex, rules, Fault::rigid_program, 'S', "spindle not turning");
-  if (ex.spindle_direction == SpindleDirection::ccw) hole.kind = kTapLeft;
-  hole.pecks_from_retract = true;
-  if (b.has('D')) hole.peck = std::fabs(ex.length_mm(b['D']));
-  if (b.has('R')) hole.clearance = std::fabs(ex.length_mm(b['R']));
-  if (hole.clearance == 0 || hole.peck >= std::fabs(hole.bottom - hole.reference))
-    hole.peck = 0;  // in one go
-  if (hole.peck > 0 && hole.clearance >= hole.peck) return fail(ex, rules, Fault::value, 'D');
-  ex.cycle.name = ex.code->tenths == 330   ? "G33"
-                  : ex.code->tenths == 930 ? "G93"
-                  : name == 'X'            ? "G88"
-                                           : "G84";
-  ex.cycle.starts_cycle = true;
-  ex.cycle.running =
-      std::make_unique<HoleRun>(ex, hole, *axis, std::array<std::size_t, 2>{*axis, *axis}, Target{}, 1, 0);
   return true;
 }
 

@@ -43,6 +43,7 @@ HoleMoves tap_in_step(Hole job) {
     tap.to = last || job.tap_pecks_out ? job.reference : tap.bottom - in * std::min(job.clearance, job.peck);
     co_yield tap;
   }
+  if (job.stands_after) co_yield spindle(SpindleDirection::stop);
 }
 
 // A floating tap holder takes up what axis and spindle differ.
@@ -53,7 +54,7 @@ HoleMoves tap_floating(Hole job) {
   if (job.stop_before_reversal) co_yield spindle(SpindleDirection::stop);
   co_yield spindle(other(in));
   co_yield along(Kind::feed, job.reference);
-  if (job.dwell_s > 0) co_yield dwell(job.dwell_s);
+  if (job.dwell_s > 0 && job.dwell_at_reference) co_yield dwell(job.dwell_s);
   if (job.stop_before_reversal) co_yield spindle(SpindleDirection::stop);
   co_yield spindle(in);
 }
@@ -121,7 +122,9 @@ HoleMoves cut_and_leave(Hole job) {
   }
   const Kind way_out = job.kind.out == HoleOut::feed ? Kind::feed : Kind::rapid;
   if (way_out == Kind::feed || job.to_reference) {
-    co_yield along(way_out, job.reference);
+    HoleMove out = along(way_out, job.reference);
+    if (way_out == Kind::feed) out.feed_ratio = job.out_ratio;
+    co_yield out;
     if (!job.to_reference) co_yield along(Kind::rapid, job.initial);
   } else {
     co_yield along(Kind::rapid, job.initial);

@@ -19,7 +19,7 @@ enum class HoleBottom : std::uint8_t { nothing, dwell, spindle_stop, orient_shif
 enum class HoleOut : std::uint8_t { rapid, feed };
 enum class HoleTap : std::uint8_t { none, right, left };
 
-/// What one code does; see the tables in hole_cycles.cpp.
+/// What one code does; see the tables in hole_codes.cpp.
 struct HoleKind {
   HoleIn in = HoleIn::once;
   HoleBottom bottom = HoleBottom::nothing;
@@ -36,12 +36,18 @@ struct Hole {
   double dwell_s = 0;
   double shift_u = 0, shift_v = 0;  ///< away from the wall at the bottom (G76, G87)
   interp::SpindleDirection turning = interp::SpindleDirection::cw;  ///< before the cycle
-  bool stop_before_reversal = true;                                 ///< M05 goes out before M03/M04 of a tap
+  bool main_turns = true;     ///< otherwise the ladder alone is told: the main spindle may be clamped
+  std::int32_t driven_m = 0;  ///< M code that started the driven tool (two in a row: cw, ccw, stop); 0: none
+  bool dwell_at_reference = true;    ///< of a floating tap, before it turns forward again
+  bool stop_before_reversal = true;  ///< M05 goes out before M03/M04 of a tap
   // ---- tapping synchronised with the spindle
   bool synchronous = false;
-  bool follows = false;  ///< the axis follows the encoder of a free spindle
+  bool stands_after = false;  ///< the spindle is stopped when the tap is out (2000TC)
+  bool follows = false;       ///< the axis follows the encoder of a free spindle
   double pitch_mm = 0;
   bool pecks_from_retract = false;  ///< the next peck counts from where the tap came out to (200T)
+  double tap_out_ratio = 1;         ///< spindle and feed on the way out, against the way in
+  double out_ratio = 1;             ///< feed on the way out of a bore, against F
   bool tap_pecks_out = false;       ///< pecks of a tap go back to R, otherwise by `clearance`
 };
 
@@ -56,10 +62,11 @@ struct HoleMove {
     tap,
     operator_stop
   } kind = Kind::rapid;
-  double to = 0;        ///< along the drilling axis; of a tap: where it comes out to
-  double bottom = 0;    ///< of a tap
-  double seconds = 0;   ///< of a dwell, of a tap's bottom
-  double u = 0, v = 0;  ///< of a shift: from the hole's centre, slide mm
+  double to = 0;          ///< along the drilling axis; of a tap: where it comes out to
+  double bottom = 0;      ///< of a tap
+  double seconds = 0;     ///< of a dwell, of a tap's bottom
+  double feed_ratio = 1;  ///< of a feed, against F
+  double u = 0, v = 0;    ///< of a shift: from the hole's centre, slide mm
   interp::SpindleDirection direction =
       interp::SpindleDirection::stop;  ///< of a spindle command; of a tap: inward
 };

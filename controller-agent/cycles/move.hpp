@@ -22,6 +22,7 @@ struct Move {
   double lead_mm = 0;                     ///< of a thread, along its longer axis
   double angle_deg = 0;                   ///< of a thread: spindle angle at its start
   double seconds = 0;                     ///< of a dwell
+  bool ends_pass = false;                 ///< the tool is back for the next cut
 };
 
 using Moves = Generator<Move>;
@@ -34,6 +35,10 @@ inline Move move_u(MoveKind kind, double u) {
 }
 inline Move move_v(MoveKind kind, double v) {
   return {.kind = kind, .along_v = true, .to = {0, v}};
+}
+inline Move ending_pass(Move move) {
+  move.ends_pass = true;
+  return move;
 }
 /// A segment of a contour at cutting feed.
 Move along(const Segment& s);

@@ -73,7 +73,8 @@ class Cutter {
       const auto u = range_u(s);
       if (u[1] > here_.u - out && u[0] < here_.u && range_v(s)[1] > here_.v + kTiny) out = 0;
     }
-    if (job_.retract > kTiny) emit(move_both(MoveKind::feed, {here_.u - out, here_.v + job_.retract}));
+    if (job_.retract > kTiny)
+      emit(ending_pass(move_both(MoveKind::feed, {here_.u - out, here_.v + job_.retract})));
   }
 
   void cut(const Pocket& parent, std::size_t index) {

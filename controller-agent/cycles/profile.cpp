@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "cycles/tool_radius.hpp"
 #include "interpreter/handlers.hpp"
 
 namespace headstock::cycles {
@@ -282,6 +283,8 @@ bool plane_axes(Executor& ex, const Rules& rules, PlaneAxes& axes) {
 
 bool take_range(Executor& ex, const Rules& rules, BlockRange& range) {
   const program::Block& b = ex.block;
+  if (rules.refused_in_mdi && ex.switches.origin == interp::ProgramOrigin::mdi)
+    return ex.alarm(interp::AlarmReason::mdi_cycle, ex.code_column, std::string(ex.code->name));
   for (const char letter : {'P', 'Q'}) {
     if (!b.has(letter)) return fail(ex, rules, Fault::no_range, letter);
     const program::Word& word = b[letter];
@@ -299,6 +302,8 @@ bool take_range(Executor& ex, const Rules& rules, BlockRange& range) {
 bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& profile) {
   PlaneAxes axes;
   if (!plane_axes(ex, rules, axes)) return false;
+  if (ex.cycle.hole.code != nullptr)
+    return fail(ex, rules, Fault::modal_state, 'P', std::string(ex.cycle.hole.code->name));
   profile.start = {ex.slide_mm(axes.u), ex.slide_mm(axes.v)};
 
   const Modal before(ex);
@@ -368,7 +373,9 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   }
 
   const bool corner_open = ex.pipeline.holds_corner();
+  const bool line_open = ex.pipeline.line_is_open();
   ex.pipeline = std::move(pipeline);
+  const interp::CompensationMode tool = ex.pipeline.mode_of(ex);
   const auto words = reading.first_words();
   const auto named = [&](char a, char b) {
     return (words & (program::letter_bit(a) | program::letter_bit(b))) != 0;
@@ -392,10 +399,12 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   before.restore(ex);
   if (stuck || !reading.over())
     return fail(ex, rules, Fault::not_found, 'Q', "N" + std::to_string(range.last));
+  if (line_open) return fail(ex, rules, Fault::last_open, 'Q');
   if (corner_open) return ex.alarm(interp::AlarmReason::corner_profile_end, 0, "Q");
   if (approach_held) return fail(ex, rules, Fault::first_block, 'P', "corner in the first block");
   if (wrong_axis) return fail(ex, rules, Fault::wrong_plane, 'P');
   if (profile.segments.empty()) return fail(ex, rules, Fault::not_found, 'P', "no motion");
+  if (rules.radius_in_roughing && tool.wanted && !offset_profile(ex, rules, tool, profile)) return false;
 
   auto& known = ex.cycle.profile;
   known = {ex.at.program, range.first, range.last, place->offset, place->line, true};

@@ -100,7 +100,8 @@ double levels(const Roughing& job) {
 
 std::size_t most_moves(const Roughing& job) {
   // Pockets: every level may cut as many intervals as there are segments, and follow every segment once more.
-  return static_cast<std::size_t>(levels(job) + 2) * (6 * job.profile.size() + 8) + 3 * job.profile.size() + 8;
+  return static_cast<std::size_t>(levels(job) + 2) * (6 * job.profile.size() + 8) + 3 * job.profile.size() +
+         8;
 }
 
 Moves parallel_cuts(Roughing job) {
@@ -125,7 +126,7 @@ Moves parallel_cuts(Roughing job) {
     co_yield back(view, move_u(MoveKind::feed, end));
     const double out = std::min(job.retract, end - c.u);
     co_yield back(view, move_both(MoveKind::feed, {end - out, level + job.retract}));
-    co_yield back(view, move_u(MoveKind::rapid, c.u));
+    co_yield back(view, ending_pass(move_u(MoveKind::rapid, c.u)));
   }
   if (job.contour_pass) {
     co_yield back(view, move_v(infeed, first.v));
@@ -152,7 +153,9 @@ Moves repeated_pattern(Pattern job) {
     const Path contour = shifted(job.profile, by);
     co_yield move_both(job.approach_rapid ? MoveKind::rapid : MoveKind::feed, contour.front().from);
     for (const Segment& s : contour) {
-      co_yield along(s);
+      Move cut = along(s);
+      cut.ends_pass = &s == &contour.back();
+      co_yield cut;
       if (s.dwell_s > 0) co_yield Move{.kind = MoveKind::dwell, .seconds = s.dwell_s};
     }
   }

@@ -32,6 +32,9 @@ Rules fanuc_t() {
               {F::first_block, "PS0065"},
               {F::first_block_axis, "PS0323"},
               {F::last_block, "PS0069"},
+              {F::last_open, "PS0326"},
+              {F::modal_state, "PS0327"},
+              {F::radius_side, "PS0328"},
               {F::forbidden, "PS0066"},
               {F::forbidden_call, "PS0325"},
               {F::not_monotonic_along, "PS0064"},
@@ -42,13 +45,18 @@ Rules fanuc_t() {
               {F::passes, "PS0321"},
               {F::value, "PS0062"},
               {F::peck, "PS0320"},
+              {F::peck_step, "PS0319"},
+              {F::peck_relief, "PS0318"},
               {F::taper, "PS0062"},
               {F::box_axis, "PS0330"},
               {F::thread_lead, "PS0011"},
-              {F::thread_height, "PS0062"},
-              {F::thread_first_depth, "PS0062"},
-              {F::thread_depths, "PS0062"},
-              {F::thread_angle, "PS0062"},
+              {F::thread_height, "PS0317"},
+              {F::thread_first_depth, "PS0317"},
+              {F::thread_depths, "PS0316"},
+              {F::thread_angle, "PS0315"},
+              {F::thread_finish, "PS0062"},
+              {F::thread_clear, "PS0062"},
+              {F::hole_axis, "PS1196"},
               {F::thread_in_vain, "PS0062"},
               {F::hole_depth, "PS0062"},
               {F::hole_peck, "PS0045"},
@@ -80,6 +88,7 @@ Rules fanuc_t() {
                   .peck_back = "5114"};
   r.shapes = Shapes::by_first_block;
   r.return_by_allowance = true;
+  r.radius_in_roughing = true;  // K.49
   r.one_block_form = true;
   r.one_block_parameter = "0001#1";
   r.tip_angles = kTips;
@@ -111,6 +120,9 @@ Rules gsk_2000tc() {
               {F::thread_height, "052"},
               {F::thread_first_depth, "056"},
               {F::peck, "144"},
+              {F::peck_step, "144"},
+              {F::tap_lead, "020"},
+              {F::last_open, "066"},
               {F::unfinished, "010"}});
   r.parameters = {.depth = "P051",
                   .retract = "P052",
@@ -133,6 +145,10 @@ Rules gsk_2000tc() {
                   .no_contour_2 = {},
                   .peck_clearance = {},
                   .peck_back = {}};
+  r.stops = Stops::traverses;  // L3130
+  r.refused_in_mdi = true;     // 193
+  r.radius_in_boxes = true;
+  r.tip_in_boxes = false;  // L6036
   r.check = Check::by_k_word;
   r.rigid_tap_parameter = "S213.0";
   r.level_cut_at_start = false;
@@ -169,6 +185,11 @@ Rules gsk_218t() {
               {F::depth, "062"},
               {F::passes, "062"},
               {F::peck, "054"},
+              {F::peck_step, "054"},
+              {F::tap_lead, "020"},
+              {F::thread_finish, "055"},
+              {F::thread_clear, "144"},
+              {F::last_open, "066"},
               {F::taper, "152"},
               {F::thread_lead, "153"},
               {F::thread_height, "052"},
@@ -188,6 +209,8 @@ Rules gsk_218t() {
   r.parameters.least_depth = "P079";
   r.parameters.finish_allowance = "P080";
   r.parameters.runout = "P068";
+  r.stops = Stops::passes;
+  r.tip_in_boxes = true;
   r.check = Check::always;
   r.rigid_tap_parameter = {};
   r.level_cut_at_start = true;
@@ -224,6 +247,10 @@ Rules k2000tc() {
               {F::thread_height, "PS0259"},
               {F::thread_first_depth, "PS0259"},
               {F::thread_depths, "PS0259"},
+              {F::thread_clear, "PS9002"},
+              {F::tap_lead, "PS0014"},
+              {F::tap_block, "PS0012"},
+              {F::last_open, "PS0051"},
               {F::hole_k, "PS0195"},
               {F::rigid_speed, "PS0011"},
               {F::rigid_feed, "PS0011"},
@@ -254,6 +281,8 @@ Rules k2000tc() {
   r.check = Check::unless_parameter;
   r.check_off_parameter = "P3301.5";
   r.holes = HoleFamily::k2000;
+  r.driven_m = 13;          // L8499
+  r.taps_down_only = true;  // L12106
   r.r_as_axis = true;
   r.contour_pass = false;  // L13389: the contour has been followed on the way
   r.contour_out_parameter = "P3301.7";
@@ -269,7 +298,9 @@ Rules k2000tc() {
 Rules lathe_200t() {
   Rules r;
   r.profile = "lathe-200t";
-  set_alarms(r, "A23", {{F::thread_lead, "A19"}, {F::thread_in_vain, "A19"}});
+  set_alarms(
+      r, "A23",
+      {{F::thread_lead, "A19"}, {F::tap_lead, "A19"}, {F::thread_in_vain, "A19"}, {F::thread_clear, "A19"}});
   // No numbered parameters: the values of G76's first block are kept under names of ours.
   r.parameters.finish_passes = "G76.m";
   r.parameters.tip_angle = "G76.a";

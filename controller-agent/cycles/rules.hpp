@@ -26,6 +26,9 @@ enum class Fault : std::uint8_t {
   first_block,       ///< without G00/G01
   first_block_axis,  ///< moves the wrong axis
   last_block,        ///< ends inside a chamfer
+  last_open,         ///< ends inside a drawing dimension
+  modal_state,       ///< commanded in a mode that forbids it
+  radius_side,       ///< G41/G42 put the tool on the work's side of the profile
   forbidden,         ///< a code that no profile may have
   forbidden_call,    ///< M98, M99, an end
   not_monotonic_along,
@@ -33,17 +36,23 @@ enum class Fault : std::uint8_t {
   above_start,  ///< the profile rises above the start point
   wrong_plane,
   // ---- values
-  depth,     ///< depth of cut missing or not positive
-  passes,    ///< G73 count
-  value,     ///< a word that is missing, negative or out of range
-  peck,      ///< G74/G75 steps
-  taper,     ///< R against U, W
-  box_axis,  ///< an axis that the cycle does not have
+  depth,        ///< depth of cut missing or not positive
+  passes,       ///< G73 count
+  value,        ///< a word that is missing, negative or out of range
+  peck,         ///< G74/G75 steps
+  peck_step,    ///< … missing where the end point needs one
+  peck_relief,  ///< … Δd with a sign though the direction is given
+  taper,        ///< R against U, W
+  box_axis,     ///< an axis that the cycle does not have
   thread_lead,
   thread_height,       ///< G76 height missing or not positive
   thread_first_depth,  ///< first depth missing or not positive
   thread_depths,       ///< finishing allowance or least depth against the height
   thread_angle,
+  thread_finish,   ///< finishing allowance negative
+  thread_clear,    ///< the tool would go in and out the same way
+  tap_lead,        ///< tapping without F
+  tap_block,       ///< tapping with another axis, or the wrong way
   thread_in_vain,  ///< no depth: inside or outside unknown
   // ---- holes
   hole_depth,  ///< bottom and R on the wrong sides
@@ -74,6 +83,9 @@ struct Parameters {
   std::string_view peck_clearance, peck_back;   ///< G83 (return to R), G73 (high speed) [mm]
 };
 
+/// Where single block stops inside a cycle.
+enum class Stops : std::uint8_t { whole, passes, traverses };
+
 enum class Shapes : std::uint8_t {
   parallel,        ///< type I only
   by_first_block,  ///< type II when the first block moves both axes
@@ -94,6 +106,7 @@ struct Rules {
   std::string_view profile;
   std::array<std::string_view, static_cast<std::size_t>(Fault::count_)> alarms{};
   Parameters parameters;
+  Stops stops = Stops::passes;  ///< of single block inside G71-G75
   // ---- roughing
   Shapes shapes = Shapes::parallel;
   Check check = Check::always;
@@ -107,6 +120,10 @@ struct Rules {
   std::int64_t least_passes = 1;           ///< of G73
   bool one_block_form = false;             ///< Series 10/11: D in one block
   std::string_view one_block_parameter;    ///< bit that chooses it
+  bool radius_in_roughing = false;         ///< G71-G73 under G41/G42 rough beside the profile
+  bool radius_in_boxes = false;            ///< G90 and G94 under G41/G42 cut beside their legs
+  bool tip_in_boxes = true;                ///< … with the imaginary tip of the offset; otherwise as tip 0
+  bool refused_in_mdi = false;             ///< G70-G73 under MDI
   bool one_shot_in_profile = false;  ///< only G00-G04 and feed, speed, compensation modes may stand in it
   // ---- pecks
   bool peck_across_diameter = false;  ///< P of G74/G75 follows diameter programming
@@ -128,8 +145,10 @@ struct Rules {
 
   // ---- holes
   HoleFamily holes = HoleFamily::none;
-  bool r_from_initial = false;           ///< R is always a distance from the initial level
-  bool r_as_axis = false;                ///< R counts as words of the drilling axis do (diameter)
+  bool r_from_initial = false;  ///< R is always a distance from the initial level
+  bool r_as_axis = false;       ///< R counts as words of the drilling axis do (diameter)
+  bool taps_down_only = false;  ///< a tapping block of its own needs its axis word, toward minus
+  std::int32_t driven_m = 0;    ///< M code that turns a driven tool cw; the next two: ccw, stop. 0: not known
   std::string_view rigid_tap_parameter;  ///< bit: G84 of the 2000TC is rigid
 
   std::string_view code(Fault fault) const { return alarms[static_cast<std::size_t>(fault)]; }

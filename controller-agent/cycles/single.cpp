@@ -63,7 +63,7 @@ Moves thread_pass(ThreadPass job) {
       co_yield leave;
     }
     co_yield move_v(MoveKind::rapid, job.start.v);
-    co_yield move_u(MoveKind::rapid, job.start.u);
+    co_yield ending_pass(move_u(MoveKind::rapid, job.start.u));
   }
 }
 
@@ -102,7 +102,7 @@ Moves pecking(Pecking job) {
       }
     }
     if (job.relief > 0) co_yield to_q(MoveKind::rapid, q + away * job.relief);
-    co_yield to_p(MoveKind::rapid, p0);
+    co_yield ending_pass(to_p(MoveKind::rapid, p0));
   }
   co_yield to_q(MoveKind::rapid, q0);
 }

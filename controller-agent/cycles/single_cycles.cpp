@@ -6,6 +6,7 @@
 #include "cycles/handlers.hpp"
 #include "cycles/single.hpp"
 #include "cycles/thread_words.hpp"
+#include "cycles/tool_radius.hpp"
 #include "cycles/turning_run.hpp"
 
 namespace headstock::cycles {
@@ -72,6 +73,17 @@ bool box(Executor& ex, bool facing, const char* name) {
   if (!check_taper(ex, rules, infeed, job.taper)) return false;
   if (!check_feed(ex)) return false;
   if (job.end.u == job.start.u && job.end.v == job.start.v && job.taper == 0) return true;
+  const interp::CompensationMode tool = ex.pipeline.mode_of(ex);
+  // G41/G42 in the block of the cycle itself: without it (218T L7910).
+  const bool written_here =
+      std::any_of(ex.settings.begin(), ex.settings.begin() + ex.setting_count,
+                  [](const dialects::GCode* set) { return set->tenths == 410 || set->tenths == 420; });
+  if (rules.radius_in_boxes && tool.wanted && tool.radius != 0 && !written_here) {
+    BesideBox beside{std::fabs(tool.radius), {}};
+    if (rules.tip_in_boxes) beside.tip = {tool.tip.u, tool.tip.v};
+    start(ex, name, axes, box_cut_beside(job, beside));
+    return true;
+  }
   start(ex, name, axes, box_cut(job));
   return true;
 }
@@ -157,9 +169,11 @@ bool peck_cycle(Executor& ex, bool across_first, const char* name) {
   if (std::fabs(depth) < kTiny) return fail(ex, rules, Fault::peck, across_first ? axes.v_name : axes.u_name);
   if (job.peck <= 0 && rules.peck_needed) return fail(ex, rules, Fault::peck, across_first ? 'P' : 'Q');
   if (std::fabs(width) > kTiny && job.step <= 0)
-    return fail(ex, rules, Fault::peck, across_first ? 'Q' : 'P');
+    return fail(ex, rules, Fault::peck_step, across_first ? 'Q' : 'P');
+  // Away from the side the steps go to; a sign is for the holes that step nowhere.
+  if (std::fabs(width) > kTiny && job.relief_sign < 0) return fail(ex, rules, Fault::peck_relief, 'R');
   if (!check_feed(ex)) return false;
-  start(ex, name, axes, pecking(job));
+  start(ex, name, axes, pecking(job), rules.stops);
   return true;
 }
 

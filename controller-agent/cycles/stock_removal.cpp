@@ -21,11 +21,14 @@ bool second_block(const program::Block& b) {
 
 // A letter that the cycle does not know is an alarm: U, V, W of another plane above all.
 bool only_letters(Executor& ex, const Rules& rules, const PlaneAxes& axes, const char* others) {
-  const std::uint32_t known = program::letters(others) | program::letter_bit(axes.u_step) | program::letter_bit(axes.v_step);
+  const std::uint32_t known =
+      program::letters(others) | program::letter_bit(axes.u_step) | program::letter_bit(axes.v_step);
   const std::uint32_t wrong = ex.block.words & ~known;
   if (wrong == 0) return true;
   const char letter = static_cast<char>('A' + std::countr_zero(wrong));
-  return fail(ex, rules, program::letter_bit(letter) & program::letters("UVW") ? Fault::wrong_plane : Fault::value, letter);
+  return fail(ex, rules,
+              program::letter_bit(letter) & program::letters("UVW") ? Fault::wrong_plane : Fault::value,
+              letter);
 }
 
 // Δd and e of the first block: kept in parameters until changed.
@@ -120,16 +123,17 @@ bool stock_removal(Executor& ex, bool facing) {
   job.contour_pass = rules.contour_pass &&
                      !ex.data.bit(pockets ? rules.parameters.no_contour_2 : rules.parameters.no_contour_1);
   job.contour_out = rules.contour_out_parameter.empty() || ex.data.bit(rules.contour_out_parameter);
-  if (levels(job) > kMostLevels) return fail(ex, rules, Fault::depth, one_block ? 'D' : depth_letter, "too many cuts");
+  if (levels(job) > kMostLevels)
+    return fail(ex, rules, Fault::depth, one_block ? 'D' : depth_letter, "too many cuts");
   if (!check_monotonic(ex, rules, job, pockets)) return false;
   if (above_start(job) > kTiny) return fail(ex, rules, Fault::above_start, 'P');
   if (pockets &&
       backward(job).along > kTiny) {  // within the control's tolerance, or unchecked: cuts stay above it
-    start(ex, facing ? "G72" : "G71", axes, parallel_cuts(std::move(job)));
+    start(ex, facing ? "G72" : "G71", axes, parallel_cuts(std::move(job)), rules.stops);
     return true;
   }
   start(ex, facing ? "G72" : "G71", axes,
-        pockets ? pocket_cuts(std::move(job)) : parallel_cuts(std::move(job)));
+        pockets ? pocket_cuts(std::move(job)) : parallel_cuts(std::move(job)), rules.stops);
   return true;
 }
 
@@ -177,7 +181,7 @@ bool pattern_repeating(Executor& ex) {
   if (!read_profile(ex, rules, range, read)) return false;
   if (!split(ex, rules, read, job.approach_rapid, job.profile)) return false;
   job.start = read.start;
-  start(ex, "G73", axes, repeated_pattern(std::move(job)));
+  start(ex, "G73", axes, repeated_pattern(std::move(job)), rules.stops);
   return true;
 }
 

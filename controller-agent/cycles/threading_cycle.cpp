@@ -48,7 +48,7 @@ bool keep_setup(Executor& ex, const Rules& rules) {
   }
   if (b.has('R')) {
     const double finish = ex.length_mm(b['R']);
-    if (finish < 0) return fail(ex, rules, Fault::value, 'R');
+    if (finish < 0) return fail(ex, rules, Fault::thread_finish, 'R');
     keep(ex, rules.parameters.finish_allowance, finish);
   }
   if (b.has('E')) {  // K2000TC: s n
@@ -77,6 +77,9 @@ bool multiple_threading(Executor& ex) {
   const program::Block& b = ex.block;
   PlaneAxes axes;
   if (!plane_axes(ex, rules, axes)) return false;
+  interp::BoxWords& words = ex.cycle.box;
+  if (words.owner != ex.code->handler) words.starts = 1;  // L lasts from G76 to G76, over G04 too
+  words.owner = ex.code->handler;
   const auto u = target_word(ex, axes.u, axes.u_name, axes.u_step);
   const auto v = target_word(ex, axes.v, axes.v_name, axes.v_step);
   if (!u && !v) return keep_setup(ex, rules);
@@ -127,7 +130,7 @@ bool multiple_threading(Executor& ex) {
   if (std::fabs(job.end.u - job.start.u) < kTiny) return fail(ex, rules, Fault::value, axes.u_name);
   if (std::fabs(job.end.v - job.start.v) < kTiny) return fail(ex, rules, Fault::thread_in_vain, axes.v_name);
   if (!stands_clear(job))
-    return fail(ex, rules, Fault::thread_in_vain, axes.v_name, "start point inside the thread");
+    return fail(ex, rules, Fault::thread_clear, axes.v_name, "start point inside the thread");
   constexpr double kMostPasses = 9'999;  // ours: less per cut than any tool takes
   if (most_passes(job) > kMostPasses) return fail(ex, rules, Fault::thread_depths, depth_letter);
 
@@ -140,7 +143,7 @@ bool multiple_threading(Executor& ex) {
   job.starts = pass.starts;
   job.runout = pass.runout;
   remember_thread(ex, axes, pass);
-  start(ex, "G76", axes, threading(std::move(job)));
+  start(ex, "G76", axes, threading(std::move(job)), Stops::passes);
   return true;
 }
 

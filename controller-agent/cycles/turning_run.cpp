@@ -11,13 +11,16 @@ using interp::Executor;
 
 class TurningRun final : public interp::MoveSource {
  public:
-  TurningRun(const Executor& ex, const PlaneAxes& axes, Moves moves)
-      : axes_(axes), moves_(std::move(moves)), feed_(ex.feed_mm), unit_(ex.feed_unit) {}
+  TurningRun(const Executor& ex, const PlaneAxes& axes, Moves moves, Stops stops)
+      : axes_(axes), moves_(std::move(moves)), stops_(stops), feed_(ex.feed_mm), unit_(ex.feed_unit) {}
 
   bool next(Executor& ex) override {
     Move move;
     while (moves_.next(move)) {
-      if (emit(ex, move)) return true;
+      if (std::exchange(part_ended_, false)) ++ex.at.part;
+      const bool made = emit(ex, move);
+      part_ended_ = stops_ == Stops::traverses || (stops_ == Stops::passes && move.ends_pass);
+      if (made) return true;
     }
     return false;
   }
@@ -91,16 +94,18 @@ class TurningRun final : public interp::MoveSource {
 
   PlaneAxes axes_;
   Moves moves_;
+  Stops stops_;
+  bool part_ended_ = false;
   double feed_;
   interp::FeedUnit unit_;
 };
 
 }  // namespace
 
-void start(Executor& ex, const char* name, const PlaneAxes& axes, Moves moves) {
+void start(Executor& ex, const char* name, const PlaneAxes& axes, Moves moves, Stops stops) {
   ex.cycle.name = name;
   ex.cycle.starts_cycle = true;
-  ex.cycle.running = std::make_unique<TurningRun>(ex, axes, std::move(moves));
+  ex.cycle.running = std::make_unique<TurningRun>(ex, axes, std::move(moves), stops);
 }
 
 Point here(const Executor& ex, const PlaneAxes& axes) {

@@ -5,13 +5,15 @@
 
 #include "cycles/move.hpp"
 #include "cycles/profile.hpp"
+#include "cycles/rules.hpp"
 #include "interpreter/executor.hpp"
 
 namespace headstock::cycles {
 
 /// Starts a cycle: its moves are made before the next block is read.
 /// @param name what the motion records say: "G71"; static storage.
-void start(interp::Executor& ex, const char* name, const PlaneAxes& axes, Moves moves);
+void start(interp::Executor& ex, const char* name, const PlaneAxes& axes, Moves moves,
+           Stops stops = Stops::whole);
 
 /// The tool's place in the plane, slide mm from the work zero.
 Point here(const interp::Executor& ex, const PlaneAxes& axes);

@@ -121,6 +121,7 @@ enum class AlarmReason : std::uint8_t {
   macro_print_form,      ///< DPRNT, BPRNT
   external_not_found,    ///< M198: no such file
   external_twice,        ///< M198 in a program called by M198
+  external_in_dnc,       ///< M198 while the main program is fed from outside
   endless_loop,  ///< jumps without end and without motion: ours, controllers just hang
   // ---- chamfers, corner rounds, drawing dimensions
   corner_words,         ///< more than one of I J K R, or chamfer and round together
@@ -194,6 +195,39 @@ enum class AlarmReason : std::uint8_t {
   m_combination,           ///< M codes that must stand alone: as too_many_m
   position_overflow,       ///< a position beyond what the control can count: as value_range
   arc_increments,          ///< axes of the plane with different increment systems: as arc_plane
+  too_many_words,       ///< in a block: as too_many_m
+  macro_word_unknown,   ///< a word of letters that is no statement: as macro_syntax
+  call_in_hole_cycle,   ///< M98 with other words while a hole cycle is in force: as macro_with_words
+  // ---- G65 H
+  h_code,     ///< no such operation: as value_range
+  h_target,   ///< P is no variable: as value_range
+  h_operand,  ///< Q or R is not what the operation takes: as value_range
+  // ---- where a program comes from
+  mdi_jump,          ///< GOTO, WHILE in MDI: as macro_dnc
+  mdi_compensation,  ///< G41, G42 in MDI: as compensation_refused
+  mdi_cycle,         ///< a cycle with a profile in MDI: as stand_alone
+  external_in_mdi,   ///< M198: as external_not_found
+  // ---- interruption macros
+  interrupted_transform,  ///< G51.1, G51, G68 in a program that broke into one of them: as g_not_now
+  interrupted_cycle,  ///< the signal inside a cycle with a profile: as g_not_now
+  // ---- tool offsets and measuring
+  length_axes,                ///< G43/G44 type C on a second axis, or on two
+  step_in_compensation,       ///< G45-G48 needs G40
+  measure_signal,             ///< G36/G37: no signal, or at the wrong place
+  measure_number,             ///< …: no offset number in force
+  measure_with_offset,        ///< …: together with H or T
+  measure_axis,               ///< …: not one absolute axis word
+  reference_in_cycle,         ///< G27-G30 in a canned cycle
+  compensation_no_avoidance,  ///< interference, and the neighbours do not meet either
+  compensation_danger,        ///< …, where they meet the block between would be cut
+  compensation_again,         ///< …, interference again behind it
+  rigid_tap_move,             ///< a move (or S) between M29 and its tapping cycle
+  rigid_tap_plane,            ///< the plane changes there or in the cycle
+  rigid_tap_again,            ///< M29 while a tapping cycle is in force
+  drawing_unit,               ///< G20/G21 between an angle block and the next
+  drawing_polar,              ///< G12.1/G13.1 there
+  drawing_mirror,             ///< a mirror image there
+  drawing_plane,              ///< another plane there
   count_                   // number of reasons
 };
 

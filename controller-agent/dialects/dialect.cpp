@@ -78,6 +78,19 @@ constexpr std::pair<R, R> kFinerReasons[] = {
     {R::m_combination, R::too_many_m},
     {R::position_overflow, R::value_range},
     {R::arc_increments, R::arc_plane},
+    {R::h_code, R::value_range},
+    {R::h_target, R::value_range},
+    {R::h_operand, R::value_range},
+    {R::mdi_jump, R::macro_dnc},
+    {R::mdi_compensation, R::compensation_refused},
+    {R::mdi_cycle, R::stand_alone},
+    {R::external_in_mdi, R::external_not_found},
+    {R::external_in_dnc, R::external_not_found},
+    {R::interrupted_cycle, R::g_not_now},
+    {R::interrupted_transform, R::g_not_now},
+    {R::too_many_words, R::too_many_m},
+    {R::macro_word_unknown, R::macro_syntax},
+    {R::call_in_hole_cycle, R::macro_with_words},
 };
 
 // "G54.1" → 541.

@@ -11,8 +11,11 @@
 
 #include "compensation/rules.hpp"
 #include "dialects/alarm_reason.hpp"
+#include "dialects/interruption_rules.hpp"
+#include "dialects/look_ahead_rules.hpp"
 #include "dialects/mode_rules.hpp"
 #include "dialects/tool_life_rules.hpp"
+#include "dialects/tool_offset_rules.hpp"
 #include "interpreter/own_language.hpp"
 #include "machine/machine.hpp"
 
@@ -22,7 +25,7 @@ struct Rules;
 namespace headstock::interp {
 struct Executor;
 struct SystemVariable;
-}
+}  // namespace headstock::interp
 
 namespace headstock::dialects {
 
@@ -124,6 +127,7 @@ struct NumberRules {
   double power_on_feed_mm_min = -1;  ///< F in force before the first F word; < 0: none
   std::uint32_t addresses = 0;       ///< letters a program may use (see program::letters)
   std::uint32_t pointed = 0;         ///< of these: may have a decimal point
+  std::string_view pointed_counts_parameter = {};  ///< bit: P and Q may have one too (K2000TC PQDOT)
   std::uint32_t negative = 0;        ///< of these: may have a minus sign
 };
 
@@ -184,9 +188,16 @@ struct Dialect {
   ToolRules tools;
   comp::CornerRules corners;
   comp::CompensationRules compensation;
-  std::string_view compensated_cycle = "G70";  ///< the cycle whose moves are compensated; others drop the vector
+  std::string_view compensated_cycle =
+      "G70";  ///< the cycle whose moves are compensated; others drop the vector
   ModeRules modes;
   ToolLifeRules life;
+  LookAheadRules look_ahead;
+  InterruptionRules interruption;
+  std::string_view part_count_m_parameter;  ///< M code that counts a part ("6710")
+  std::string_view rigid_m_parameter;       ///< M code of rigid tapping beside M29 ("5210")
+  ToolOffsetRules tool_offsets;
+  MeasureRules measure;
   Repeated repeated_words = Repeated::last_wins;
   std::string_view repeated_alarm_parameter;  ///< bit: alarm after all
   std::uint32_t may_repeat = 0;               ///< letters that may repeat in spite of `alarm`
@@ -204,6 +215,7 @@ struct Dialect {
   std::string_view reset_clears_parameter;
   bool local_per_system = false;          ///< G52 belongs to the coordinate system it was given in
   int first_g10_work = 1;                 ///< G10 L2 P of G54
+  bool reference_refused_in_cycle = false;  ///< G27-G30 while a hole cycle is in force
   bool reference_cancels_offset = false;  ///< G28/G30 cancel the tool offset of their axes
   bool setting_ignores_offset = false;    ///< G50: the tool offset is not part of the position that is set
   bool m99_main_counts_part = false;

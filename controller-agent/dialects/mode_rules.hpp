@@ -55,6 +55,7 @@ struct ModeRules {
   std::string_view roll_over_parameter, roll_over_by_sign_parameter, turn_parameter;
 
   /// Places of the 2nd, 3rd and 4th reference point, one value an axis; empty: there is no such point.
+  /// Of G30 P2…P4, one value an axis; or "X:P122 Z:P123" where every axis has a number of its own.
   std::array<std::string_view, 3> reference_parameters = {"1241", "1242", "1243"};
   std::string_view first_reference_parameter;  ///< of the 1st point; empty or not set: the machine file's
 
@@ -62,6 +63,8 @@ struct ModeRules {
   std::string_view imaginary_circle_parameter;  ///< bit an axis: F of a rotary axis counts on a circle …
   std::string_view imaginary_radius_parameter;  ///< … of this radius [mm]
 
+  /// G07.1 and G12.1 may begin under G00, and arcs on a cylinder may be written with I J K (K2000TC L3598).
+  bool free_surfaces = false;
   // ---- polar coordinate interpolation
   std::string_view polar_linear_parameter, polar_rotary_parameter;  ///< axis numbers from 1; 0: X and C
   std::array<std::string_view, 2> polar_unsupported{};              ///< must be 0: refused by alarm
@@ -76,6 +79,11 @@ struct ModeRules {
   std::string_view rotation_parameter;              ///< angle when R is left out [0.001°]
   std::string_view rotation_incremental_parameter;  ///< bit: R adds up under G91
 
+  std::string_view scale_enable_parameter;  ///< bit an axis, set unless it is 0: the axis is scaled
+  std::string_view fine_angle_parameter;    ///< bit: R of the rotation counts in 0.00001°
+  /// MDI: with the first bit set, the second one says absolute (1) or incremental, whatever G90 and G91 say.
+  std::string_view mdi_form_parameter, mdi_absolute_parameter;
+
   std::string_view approach_parameter;  ///< G60: direction and length of the last way, one for each axis
   std::string_view approach_modal_parameter;  ///< bit: G60 is modal, of group 01
 
@@ -84,10 +92,16 @@ struct ModeRules {
   std::string_view skip_feed_parameter;            ///< bit: G31 moves at No.6281
   std::string_view skip_step_feed_parameter;       ///< bit: G31 P1…P4 move at No.6282…
   std::string_view skip_override_parameter;        ///< bit: override, dry run and acceleration act on G31
+  std::string_view skip_off_parameter;             ///< bit: SKIP does nothing in G31
+  std::string_view skip_low_parameter;             ///< bit: the skip signals act while they are 0
   bool dwell_p_scales = false;                     ///< P of G04 counts in the increment system
   std::string_view dwell_ms_parameter;             ///< bit: after all in 0.001 s
 
+  std::string_view rotary_linear_parameter;  ///< bit an axis: a rotary axis that runs on, never rounded to a turn
+
   // ---- units
+  std::string_view inch_parameter;      ///< bit, a setting: inch input
+  std::string_view x_radius_parameter;  ///< bit: X is written as a radius
   std::string_view
       unit_at_reference_parameter;  ///< bit: G20/G21 only where every axis stands at its reference point
   std::string_view unit_anywhere_parameter;  ///< bit: G20/G21 anywhere, coordinate systems are converted
@@ -99,6 +113,7 @@ struct ModeRules {
   std::array<std::string_view, 3>
       gear_speeds{};  ///< highest speed of gears 1…3; empty: no gears of the control
   std::string_view gears_by_machine_parameter;  ///< bit: the machine chooses the gear after all
+  std::string_view surface_letter_parameter;    ///< axis of G96 where P is no word of it: 0 X, 1 Z, 2 Y
   std::string_view surface_axis_parameter;      ///< axis number of G96; 0: X. Empty: P is not a word of G96
   std::string_view spindle_digits_parameter, tool_digits_parameter, auxiliary_digits_parameter;
   std::string_view auxiliary_enable_parameter;   ///< bit: there is a second auxiliary function

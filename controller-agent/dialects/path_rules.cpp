@@ -43,14 +43,17 @@ const Codes kFanucCodes = {{R::corner_words, "PS0053"},
                            {R::compensation_quiet_blocks, "PS0041"},
                            {R::compensation_refused, "PS0010"},
                            {R::compensation_call, "PS0010"},
+                           {R::rigid_tap_move, "PS0204"},
+                           {R::rigid_tap_plane, "PS0206"},
                            {R::corner_arc_with_move, "PS5445"}};
 
 // The M series has chamfers at any angle only: its numbers for a wrong next block are one (0i-D K.53).
-const Codes kFanucMillCodes = {
-    {R::corner_not_feed, "PS0051"},     {R::corner_words, "PS0010"},       {R::corner_taper, "PS0051"}, {R::corner_profile_end, "PS0051"},
-    {R::corner_axis, "PS0051"},         {R::corner_comma, "PS0010"},       {R::drawing_no_end, "PS0010"},
-    {R::drawing_no_solution, "PS0010"}, {R::drawing_parallel, "PS0010"},   {R::drawing_blocks, "PS0010"},
-    {R::drawing_incremental, "PS0010"}, {R::compensation_corner, "PS0041"}};
+const Codes kFanucMillCodes = {{R::corner_not_feed, "PS0051"},     {R::corner_words, "PS0010"},
+                               {R::corner_taper, "PS0051"},        {R::corner_profile_end, "PS0051"},
+                               {R::corner_axis, "PS0051"},         {R::corner_comma, "PS0010"},
+                               {R::drawing_no_end, "PS0010"},      {R::drawing_no_solution, "PS0010"},
+                               {R::drawing_parallel, "PS0010"},    {R::drawing_blocks, "PS0010"},
+                               {R::drawing_incremental, "PS0010"}, {R::compensation_corner, "PS0041"}};
 
 const Codes kGskCodes = {{R::compensation_no_crossing, "033"},  {R::compensation_start_arc, "034"},
                          {R::compensation_arc_centre, "038"},   {R::compensation_overcut, "041"},
@@ -61,10 +64,17 @@ const Codes kGsk218tCodes = {{R::compensation_side, "035"},         {R::compensa
                              {R::compensation_call, "149"},         {R::compensation_plane, "040"},
                              {R::compensation_corner, "040"}};
 
-const Codes kGsk2000tcCodes = {{R::corner_too_large, "192"},     {R::corner_no_move, "191"},
-                               {R::corner_not_feed, "191"},      {R::compensation_interference, "197"},
-                               {R::compensation_refused, "131"}, {R::compensation_call, "131"},
-                               {R::compensation_plane, "131"},   {R::compensation_corner, "131"}};
+const Codes kGsk2000tcCodes = {{R::corner_too_large, "192"},
+                               {R::corner_no_move, "191"},
+                               {R::corner_not_feed, "191"},
+                               {R::compensation_interference, "197"},
+                               {R::compensation_refused, "131"},
+                               {R::compensation_call, "149"},
+                               {R::compensation_plane, "131"},
+                               {R::compensation_corner, "131"},
+                               {R::rigid_tap_move, "195"},
+                               {R::rigid_tap_again, "196"},
+                               {R::mdi_cycle, "193"}};
 
 const Codes kK2000Codes = {{R::corner_words, "PS9003"},
                            {R::corner_thread, "PS0052"},
@@ -93,7 +103,11 @@ const Codes kK2000Codes = {{R::corner_words, "PS9003"},
                            {R::compensation_quiet_blocks, "PS0041"},
                            {R::compensation_refused, "PS0048"},
                            {R::compensation_call, "PS0036"},
-                           {R::corner_arc_with_move, "PS1205"}};
+                           {R::corner_arc_with_move, "PS9004"},
+                           {R::drawing_unit, "PS0429"},
+                           {R::drawing_polar, "PS0430"},
+                           {R::drawing_mirror, "PS0431"},
+                           {R::drawing_plane, "PS0432"}};
 
 struct PathRules {
   std::string_view profile;
@@ -113,7 +127,12 @@ std::vector<PathRules> make_table() {
     r.corners.perpendicular_words = true;
     r.corner_words = letters("IJKRCA");
     r.compensation.off_parameter = "8136#7";  // NCR
+    r.compensation.mdi_alarm_parameter = "5008#4";  // MCR
     r.compensation.type_b_parameter = "5003#0";
+    r.compensation.type_c_parameter = "5003#1";  // SUV
+    r.compensation.avoid_parameter = "19607#5";  // CAV
+    r.compensation.stop_parameter = "5000#0";    // SBK
+    r.corners.stop_parameter = "5105#0";         // SBC
     r.compensation.start_by_normal = true;
     r.compensation.circular_parameter = "19607#2";
     r.compensation.read_ahead_parameter = "19625";
@@ -125,6 +144,7 @@ std::vector<PathRules> make_table() {
     r.profile = "fanuc-0i-m";
     r.corners = {};
     r.corners.comma_letters = letters("CR");
+    r.corners.stop_parameter = "5105#0";  // SBC
     r.corners.arcs = true;
     r.corner_words = 0;
     r.compensation.by_d = true;
@@ -147,16 +167,18 @@ std::vector<PathRules> make_table() {
     r.compensation.check_parameter = "S207.0";
     r.compensation.tips_in_all_planes = false;
     r.compensation.threads_refused = true;
+    r.compensation.calls_refused = true;  // L6020 ff.
     r.codes = {&kGskCodes, &kGsk2000tcCodes};
     table.push_back(r);
   }
   {
     PathRules r;
     r.profile = "gsk-218t";
-    r.compensation.enable_parameter = "002.3";  // CCMP
+    r.compensation.enable_parameter = "P002.3";  // CCMP
     r.compensation.zero_number_is_alarm = true;
     r.compensation.side_change_after_start_is_alarm = true;
     r.compensation.most_quiet_blocks = 30;
+    r.compensation.calls_refused = true;
     r.codes = {&kGskCodes, &kGsk218tCodes};
     table.push_back(r);
   }
@@ -167,6 +189,7 @@ std::vector<PathRules> make_table() {
     r.corners.comma_parameter = "P2500.2";  // CENCW
     r.corners.named_letters = letters("ACR");
     r.corners.enable_parameter = "P0003.3";  // CCR
+    r.corners.angle_parameter = "P0003.7";   // ANGPM
     r.corners.chamfer_ijk_parameter = "P2501.0";
     r.corners.round_r_parameter = "P2501.1";
     r.corners.arcs = true;
@@ -175,6 +198,7 @@ std::vector<PathRules> make_table() {
     r.compensation.enable_parameter = "P0002.1";  // CRC
     r.compensation.start = comp::StartType::b;
     r.compensation.near_parameter = "P3210";
+    r.compensation.calls_refused = true;  // L16047
     r.compensation.again_is_perpendicular = true;
     r.codes = {&kK2000Codes};
     table.push_back(r);

@@ -116,7 +116,9 @@ bool Executor::arc(Turn turn) {
     radius = distance(from, center);
     const program::Word& word =
         block.has(names.center_first) ? block[names.center_first] : block[names.center_second];
-    if (radius == 0) return alarm(AlarmReason::arc_no_center, word.column, "I J K");
+    if (radius == 0)
+      return alarm(pipeline.side() != 0 ? AlarmReason::compensation_arc_centre : AlarmReason::arc_no_center,
+                   word.column, "I J K");
     const double mismatch = std::fabs(distance(to, center) - radius);
     if (tolerance > 0 && mismatch > tolerance) {
       return alarm(AlarmReason::arc_radius, word.column, std::to_string(mismatch) + " mm");

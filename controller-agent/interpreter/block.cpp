@@ -2,6 +2,7 @@
 #include <bit>
 
 #include "interpreter/executor.hpp"
+#include "interpreter/handlers.hpp"
 
 namespace headstock::interp {
 namespace {
@@ -24,6 +25,7 @@ constexpr std::uint32_t kFeedSpindleTool = letters("FST");
 
 bool Executor::execute() {
   ++at.block;
+  at.part = 0;
   if (macros != nullptr) {
     motions_before = motions;
     move_calls = !frames.back().macro.modal_calls.empty();
@@ -51,7 +53,12 @@ bool Executor::execute_words() {
   if (!check_words() || !take_codes()) return false;
   if (surface.now.kind != SurfaceKind::none && !surface_allows()) return false;
   if (dialect.compensation.by_d && block.has('D') && !take_d()) return false;
+  if (length_sign != 0) tool_offset::follow_changes(*this);
   if (setting_count != 0 && !run_settings()) return false;
+  if (switches.origin == ProgramOrigin::mdi && data.bit(dialect.modes.mdi_form_parameter))
+    incremental = !data.bit(dialect.modes.mdi_absolute_parameter);
+  if (!dialect.tools.lathe && block.has('H') && !length_in_block() && !tool_offset::take_h(*this))
+    return false;
   if ((block.words & kFeedSpindleTool) != 0) {
     if (block.has('F') && !take_feed()) return false;
     if (block.has('S') && !take_spindle()) return false;
@@ -63,9 +70,10 @@ bool Executor::execute_words() {
   if (spindle_changed) emit_spindle();
   if (((block.words & dialect.corner_words) | block.marked) != 0 && !take_corner_words()) return false;
 
+  if (cycle.rigid_next && !rigid_tap_follows()) return false;
   // A move of an axis that the machine does not have must not be left out silently.
   if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters;
-      wrong != 0 && (action == nullptr || !action->cycle)) {
+      wrong != 0 && (action == nullptr || !action->cycle) && !is_h_block()) {
     const char letter = lowest_letter(wrong);
     return alarm(AlarmReason::illegal_address, block[letter].column, std::string(1, letter));
   }
@@ -81,7 +89,8 @@ bool Executor::execute_words() {
     if (motion_code->phase == Phase::unavailable) {
       return alarm(AlarmReason::g_unavailable, 0, std::string(motion_code->name));
     }
-    if (!motion_code->handler(*this)) return false;
+    const bool offset_only = (block.words & (axis_letters | letters("IJKR"))) == 0;
+    if (!(offset_only ? tool_offset::move_alone(*this) : motion_code->handler(*this))) return false;
   } else if (block.has('I') && motion_code->handler != nullptr) {
     // A full circle needs no axis word; a straight move ignores the word.
     code = motion_code;
@@ -98,6 +107,21 @@ bool Executor::execute_words() {
   if (block.m_count != 0 && !(run_m_codes(true) && run_program_flow())) return false;
   if (move_calls && motions != motions_before && !finished) return call_modal();
   return true;
+}
+
+// After M29 comes the tapping cycle, with no move before it (0i-D PS0204, GSK 2000TC 195).
+bool Executor::rigid_tap_follows() {
+  const GCode* next = action != nullptr ? action : cycle.hole.code != nullptr ? cycle.hole.code : motion_code;
+  const bool moves = (block.words & axis_letters) != 0;
+  if (!moves || next->cycle) return true;
+  return alarm(AlarmReason::rigid_tap_move, 0, "M29");
+}
+
+bool Executor::length_in_block() const {
+  for (std::size_t i = 0; i < setting_count; ++i) {
+    if (settings[i]->handler == handlers::length_offset) return true;
+  }
+  return false;
 }
 
 bool Executor::run_deferred() {
@@ -117,7 +141,8 @@ bool Executor::check_words() {
     const char letter = lowest_letter(wrong);
     return alarm(AlarmReason::decimal_point, b[letter].column, std::string(1, letter));
   }
-  if (const std::uint32_t wrong = b.negative & ~may_minus; wrong != 0) {
+  const std::uint32_t signed_operands = is_h_block() ? letters("PQR") : 0;
+  if (const std::uint32_t wrong = b.negative & ~(may_minus | signed_operands); wrong != 0) {
     const char letter = lowest_letter(wrong);
     return alarm(AlarmReason::minus_sign, b[letter].column, std::string(1, letter));
   }
@@ -135,6 +160,12 @@ bool Executor::check_words() {
   return true;
 }
 
+// G65 H…: operations on variables (GSK).
+bool Executor::is_h_block() const {
+  return macros != nullptr && macros->rules.h_codes && block.g_count != 0 && block.g[0].tenths == 650 &&
+         (block.has('H') || !macros->rules.macro_calls);
+}
+
 // Sorts the G codes by what they are; the last of a group counts.
 bool Executor::take_codes() {
   setting_count = 0;
@@ -149,7 +180,8 @@ bool Executor::take_codes() {
     const GCode* row = table->find(written.tenths);
     if (row == nullptr) return alarm(AlarmReason::illegal_g, written, 'G');
     for (const Codes& absent : absent_codes) {
-      if (row->tenths >= absent.first && row->tenths <= absent.last) return alarm(AlarmReason::illegal_g, written, 'G');
+      if (row->tenths >= absent.first && row->tenths <= absent.last)
+        return alarm(AlarmReason::illegal_g, written, 'G');
     }
     if (row->group != 0) {
       const std::uint32_t bit = 1u << row->group;
@@ -262,9 +294,14 @@ bool Executor::run_m_codes(bool after_motion) {
         }
         break;
       case MAction::rigid_tapping:
+        // G84 and G88 as modal codes of group 01 (GSK 2000TC 196).
+        if (!after_motion && motion_code->cycle && (motion_code->tenths == 840 || motion_code->tenths == 880) &&
+            modal.g[motion_code->group] == motion_code->tenths)
+          return alarm(AlarmReason::rigid_tap_again, block.m[i], 'M');
         cycle.rigid_next = true;
         break;
       case MAction::machine:
+        cycle.rigid_next = cycle.rigid_next || number == rigid_m;
         break;
       case MAction::machine_after:
         is_after = true;
@@ -275,6 +312,7 @@ bool Executor::run_m_codes(bool after_motion) {
         continue;  // program flow, not sent to the machine
     }
     if (is_after != after_motion) continue;
+    if (number >= 13 && number <= 15) cycle.driven_m = number == 15 ? 0 : number;
     if (!tool_life::take_m(*this, number, block.m[i].column)) return false;
     if (cycle.hole.code != nullptr && number != 0 && number == cycle.clamp_m) {
       cycle.hole.clamp = true;  // goes out when the hole's position is reached
@@ -286,6 +324,8 @@ bool Executor::run_m_codes(bool after_motion) {
     sent.modal = modal;
     sent.code = number;
     sent.after_motion = is_after;
+    sent.counts_part = number == part_count_m;
+    if (look_ahead.holds(number)) hold_look_ahead();
   }
   return true;
 }
@@ -303,6 +343,7 @@ bool Executor::run_program_flow() {
         stop.at = at;
         stop.modal = modal;
         stop.optional = optional;
+        if (dialect.look_ahead.stops) hold_look_ahead();
         break;
       }
       case MAction::end_m02:
@@ -313,10 +354,22 @@ bool Executor::run_program_flow() {
         return finish(m30 ? EndReason::m30 : EndReason::m02, counts);
       }
       case MAction::call: {
+        if (cycle.hole.code != nullptr && (block.words & axis_letters) != 0 && macros != nullptr)
+          return alarm(AlarmReason::call_in_hole_cycle, column, "M98");
+        if (dialect.compensation.calls_refused && pipeline.side() != 0)
+          return alarm(AlarmReason::compensation_call, column, "M98");
         if (dialect.calls.by_name) return alarm(AlarmReason::call_without_p, column, "M98");
-        if (!block.has('P')) return alarm(AlarmReason::call_without_p, column, "M98");
-        const std::int64_t p = whole('P', AlarmReason::call_count);
-        if (p < 0) return false;
+        std::int64_t from_sequence = -1;
+        if (macros != nullptr && block.has('Q') && data.bit(macros->rules.sequence_call_parameter)) {
+          from_sequence = whole('Q', AlarmReason::sequence_not_found);
+          if (from_sequence < 0) return false;
+        }
+        std::int64_t p = frames.back().number;  // M98 Q: in this program
+        if (from_sequence < 0 || block.has('P')) {
+          if (!block.has('P')) return alarm(AlarmReason::call_without_p, column, "M98");
+          p = whole('P', AlarmReason::call_count);
+          if (p < 0) return false;
+        }
         std::int64_t times = p > 9'999 ? p / 10'000 : 1;
         if (block.has('L') && dialect.calls.l_repeats) {
           if (p > 9'999) return alarm(AlarmReason::call_count, block['L'].column, "L");
@@ -325,11 +378,20 @@ bool Executor::run_program_flow() {
         }
         if (times > dialect.calls.most_repeats) return alarm(AlarmReason::call_count, block['P'].column, "P");
         const auto number = static_cast<std::uint32_t>(p % 10'000);
-        return call(programs == nullptr ? nullptr : programs->open_number(number), number, times,
-                    block['P'].column);
+        const std::uint32_t at_column = block.has('P') ? block['P'].column : column;
+        if (!call(programs == nullptr ? nullptr : programs->open_number(number), number, times, at_column))
+          return false;
+        if (from_sequence < 0 || times <= 0) return true;
+        frames.back().macro.start_sequence = from_sequence;
+        return begin_search(from_sequence, block['Q'].column, AlarmReason::sequence_not_found);
       }
       case MAction::return_: {
+        if (dialect.compensation.calls_refused && pipeline.side() != 0 && frames.size() > 1)
+          return alarm(AlarmReason::compensation_call, column, "M99");
         std::int64_t sequence = -1;
+        if (macros != nullptr && frames.back().macro.kind == CallKind::modal &&
+            ((block.words & ~letters("PL")) != 0 || block.g_count != 0))
+          return alarm(AlarmReason::macro_m99_with_words, column, "M99");
         if (block.has('P')) {
           sequence = whole('P', AlarmReason::sequence_not_found);
           if (sequence < 0) return false;

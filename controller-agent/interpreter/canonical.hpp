@@ -22,6 +22,7 @@ struct SourcePosition {
   std::uint32_t sequence = 0;     ///< last N number passed
   std::uint32_t block = 0;        ///< blocks begun in this run, macro statements not counted: 1 is the first
   std::uint64_t byte_offset = 0;  ///< of the block's first byte, for resuming a drip-feed
+  std::uint32_t part = 0;  ///< of the block: single block stops between two parts (traverses of a cycle)
 };
 
 inline constexpr std::size_t kModalGroups = 32;
@@ -204,13 +205,16 @@ struct MCode {
   double at_position = 0;    ///< absolute position page, programming units
   std::int16_t input = 0;    ///< ≥ 1: finished when this input port has the level wanted (M01 L)
   bool input_level = true;   ///< true: active
+  bool counts_part = false;  ///< the code that counts parts (0i-D No.6710)
+  bool clears_parts = false;  ///< sets the part count to 0 and goes nowhere else (200T M901)
 };
 
 enum class MessageKind : std::uint8_t {
   show,   ///< for the operator: #3006, comments
   print,  ///< DPRNT, BPRNT: bytes for the output device, in the code of the program (not yet ISO or EIA)
   open,   ///< POPEN: connect, DC2
-  close   ///< PCLOS: DC4, disconnect
+  close,  ///< PCLOS: DC4, disconnect
+  statement  ///< no text: a macro statement at which single block stops (0i-D SBM No.6000#5)
 };
 
 /// #3006, comments to show, DPRNT output.
@@ -258,6 +262,8 @@ struct Tap : Motion {
   double rpm = 0;       ///< spindle speed in force; 0 under `follows` when none was commanded
   SpindleDirection direction = SpindleDirection::cw;  ///< inward; outward is the other one
   double dwell_s = 0;  ///< at the bottom
+  std::uint8_t spindle = 0;  ///< 0: the main spindle; 1: a driven tool, which whoever has none must refuse
+  double out_ratio = 1;      ///< spindle speed on the way out, against `rpm`; the axis stays in step with it (extraction override, 0i-D No. 5211); > 0
 };
 
 using Operation =

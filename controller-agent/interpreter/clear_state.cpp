@@ -27,6 +27,7 @@ constexpr std::uint32_t bit_of(std::uint8_t group) {
 void Executor::clear_modes() {
   const auto& rules = dialect.modes;
   leave_surface();
+  tool_offset::reset(*this);
   data_input = {};
   polygon = false;
   increment_limit = {};  // G91.1 lasts until RESET

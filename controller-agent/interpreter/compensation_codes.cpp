@@ -6,11 +6,10 @@ namespace headstock::interp {
 
 // D: the offset number of G41/G42 on a mill; in force until the next one.
 bool Executor::take_d() {
-  const std::int64_t number = whole('D', AlarmReason::offset_number);
-  if (number < 0) return false;
-  if (number > static_cast<std::int64_t>(dialect.tools.most_offsets)) {
-    return alarm(AlarmReason::offset_number, block['D'].column, "D");
-  }
+  const std::uint32_t column = block['D'].column;
+  std::int64_t number = whole('D', AlarmReason::offset_number);
+  if (number < 0 || !tool_life::take_offset(*this, 'D', number, column)) return false;
+  if (number > tool_offset::most(*this)) return alarm(AlarmReason::offset_number, column, "D");
   pipeline.d_number = number;
   return true;
 }
@@ -26,8 +25,10 @@ bool side(Executor& ex, int wanted) {
                    (!rules.enable_parameter.empty() && ex.data.parameter(rules.enable_parameter, 1) == 0);
   if (off && wanted != 0)
     return ex.alarm(AlarmReason::g_unavailable, ex.code_column, std::string(ex.code->name));
+  if (wanted != 0 && ex.switches.origin == ProgramOrigin::mdi && ex.data.bit(rules.mdi_alarm_parameter))
+    return ex.alarm(AlarmReason::mdi_compensation, ex.code_column, std::string(ex.code->name));
   const bool same = wanted != 0 && ex.pipeline.side() == wanted;
-  if (wanted != 0) ex.pipeline.activate(ex.machine_now);
+  if (wanted != 0) ex.pipeline.activate(ex.machine_now, ex.work_now);
   ex.pipeline.written(wanted, same);
   return true;
 }

@@ -93,6 +93,7 @@ bool machine_move(Executor& ex) {
     if (p != 1) return ex.alarm(AlarmReason::value_range, ex.block['P'].column, "P" + std::to_string(p));
     overlap = true;
   }
+  if (ex.dialect.look_ahead.machine_moves) ex.hold_look_ahead();  // 0i-D 7.1
   return ex.emit_rapid_to_machine(target, moved, true, overlap);
 }
 

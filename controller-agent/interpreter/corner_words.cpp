@@ -74,7 +74,7 @@ bool Executor::take_corner_words() {
   if (!rules.enable_parameter.empty() && data.parameter(rules.enable_parameter, 1) == 0) {
     return alarm(AlarmReason::corner_unavailable, 0, {});
   }
-  pipeline.activate(machine_now);
+  pipeline.activate(machine_now, work_now);
 
   if (block.has_marked('C') && block.has_marked('R')) {
     return alarm(AlarmReason::corner_words, block.marked_at('R').column, "C R");
@@ -100,6 +100,8 @@ bool Executor::take_corner_words() {
   }
   if (block.has_marked('A')) {
     if (!straight) return alarm(AlarmReason::corner_comma, block.marked_at('A').column, ",A");
+    if (!rules.angle_parameter.empty() && data.parameter(rules.angle_parameter, 1) == 0)
+      return alarm(AlarmReason::corner_unavailable, block.marked_at('A').column, "A");
     if ((block.words & axis_letters) == 0) {
       if (pipeline.line_is_open()) {
         return alarm(AlarmReason::drawing_no_end, block.marked_at('A').column, ",A");

@@ -80,8 +80,9 @@ struct CycleState {
   std::int32_t clamp_m =
       0;  ///< M code that clamps the rotary axis inside hole cycles, the next number frees it; 0: none
   double runout_tenths =
-      -1;                   ///< r of G76, P of G92 where both share it (K2000TC), 0.1 lead; < 0: never given
-  bool rigid_next = false;  ///< M29 stands: the next tapping cycle is rigid
+      -1;  ///< r of G76, P of G92 where both share it (K2000TC), 0.1 lead; < 0: never given
+  std::int32_t driven_m = 0;  ///< M13, M14: the driven tool turns; 0 after M15
+  bool rigid_next = false;    ///< M29 stands: the next tapping cycle is rigid
 
   /// Where the profile of the last roughing cycle stands, so that G70 finds the same one.
   struct Place {
@@ -111,7 +112,7 @@ struct CycleState {
                 const dialects::GCode* new_hole) {
     constexpr std::int16_t kDwell = 40;
     if (motion != nullptr && motion->handler != box.owner) box.owner = nullptr;
-    if (action != nullptr && action->tenths != kDwell) box.owner = nullptr;
+    if (action != nullptr && action->tenths != kDwell && action->handler != box.owner) box.owner = nullptr;
     if (new_hole != nullptr) {
       box.owner = nullptr;
       if (hole.code == nullptr) hole = {};

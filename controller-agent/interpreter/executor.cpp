@@ -88,6 +88,7 @@ void Executor::set_switches(const Switches& wanted) {
   constexpr std::uint32_t kAll = (1u << 26) - 1;
   legal = switches.lenient ? kAll : numbers.addresses;
   may_point = switches.lenient ? kAll : numbers.pointed;
+  if (data.bit(numbers.pointed_counts_parameter)) may_point |= letters("PQ");
   may_minus = switches.lenient ? kAll : numbers.negative | axis_letters;
   if (other_system) power_on();
 }
@@ -126,13 +127,14 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   surface = {};
   surface_path = {};
   leave_program();
+  interruption.enabled = false;
   push_program(std::move(main), 0, 1);
   if (macros != nullptr) {
     load_variables();
     macros->programs.clear();
-    macros->interruption_on_now = false;
     read_macro_parameters();
-    frames.back().macro.locals = std::make_shared<macro::LocalSet>();
+    frames.back().macro.locals = std::make_shared<macro::LocalSet>(
+        macros->keeps_locals(data) ? macros->kept_locals : macro::LocalSet());
     macros->variables.locals = frames.back().macro.locals.get();
     macros->history = {};
   }
@@ -195,22 +197,26 @@ Pull Executor::next(Operation& wanted) {
       awaits_standstill = true;
       return Pull::standstill;
     }
-    if (macros == nullptr || ++macros->steps % kStepsBetweenQuestions != 0) continue;
-    if (macros->environment->wants_stop()) {
+    if (++steps % kStepsBetweenQuestions != 0) continue;
+    if (environment->wants_stop()) {
       finished = true;
       leave_program();
-      flush_changes();
+      if (macros != nullptr) flush_changes();
       return Pull::finished;
     }
-    if (macros->environment->wants_pause()) {
-      flush_changes();
+    if (environment->wants_pause()) {
+      if (macros != nullptr) flush_changes();
       return Pull::pause;
     }
   }
 }
 
 void Executor::leave_program() {
-  if (macros != nullptr) macros->variables.forget_locals();
+  if (macros != nullptr) {
+    if (!frames.empty() && frames.front().macro.locals != nullptr && macros->keeps_locals(data))
+      macros->kept_locals = *frames.front().macro.locals;
+    macros->variables.forget_locals();
+  }
   frames.clear();
 }
 
@@ -231,6 +237,7 @@ void Executor::flush_changes() {
 // Somebody else changed the machine's data: the operator, or G10.
 void Executor::load_variables() {
   macros->common.load(data.common_variables);
+  for (const auto& [number, name] : data.variable_names) macros->variables.name(number, name);
   macros->common_version = data.version;
 }
 
@@ -240,6 +247,7 @@ void Executor::reset(const AxisVector& machine_position) {
   queue_head = 0;
   cancel_compensation();
   cycle.clear();
+  interruption.enabled = false;
   finished = true;
   clear_modes();
   if (macros != nullptr) {
@@ -267,7 +275,6 @@ void Executor::reset_variables() {
                     (!rules.clear_volatile_parameter.empty() && !data.bit(rules.clear_volatile_parameter));
   if (!kept) macros->variables.clear_volatile();
   macros->control = modal.macro_control = 0;
-  macros->interruption_on_now = false;
 }
 
 void Executor::set_position(const AxisVector& machine_position) {
@@ -308,9 +315,28 @@ bool Executor::alarm(AlarmReason reason, const program::Code& wrong, char letter
   return alarm(reason, wrong.column, std::move(text));
 }
 
+namespace {
+
+/// By which code of the block a value was written: histories name it.
+std::string_view change_source(const program::Block& block) {
+  struct Source {
+    std::int16_t tenths;
+    std::string_view name;
+  };
+  static constexpr Source kSources[] = {{100, "G10"},         {310, "measurement"}, {360, "measurement"},
+                                        {370, "measurement"}, {371, "measurement"}, {372, "measurement"},
+                                        {373, "measurement"}};
+  for (std::size_t i = 0; i < block.g_count; ++i)
+    for (const Source& source : kSources)
+      if (block.g[i].tenths == source.tenths) return source.name;
+  return "program";
+}
+
+}  // namespace
+
 void Executor::report_change(std::string what, double before, double after) {
   ++data.version;
-  if (changed && !restarting) changed({std::move(what), before, after});
+  if (changed && !restarting) changed({std::move(what), before, after, change_source(block)});
 }
 
 }  // namespace headstock::interp

@@ -20,6 +20,8 @@
 #include "interpreter/cycle_state.hpp"
 #include "interpreter/data_input.hpp"
 #include "interpreter/interpreter.hpp"
+#include "interpreter/interruption.hpp"
+#include "interpreter/look_ahead.hpp"
 #include "interpreter/machine_data.hpp"
 #include "interpreter/macro_state.hpp"
 #include "interpreter/own_language.hpp"
@@ -29,8 +31,10 @@
 #include "interpreter/skip.hpp"
 #include "interpreter/surface.hpp"
 #include "interpreter/tool_life.hpp"
+#include "interpreter/tool_offset.hpp"
 #include "interpreter/transform.hpp"
 #include "machine/machine.hpp"
+#include "macro/environment.hpp"
 #include "program/block.hpp"
 #include "program/block_reader.hpp"
 #include "program/lexer.hpp"
@@ -146,6 +150,7 @@ struct Executor {
   void go_on_after(const CompiledBlock& compiled);
   void go_on_at(const BlockPlace& place);
   macro::Result run_statement(CompiledBlock& compiled);
+  bool stops_at_statements() const;
   macro::Result assign(const macro::Statement& statement);
   macro::Result go_to_sequence(CompiledBlock& compiled);
   macro::Result begin_loop(CompiledBlock& compiled);
@@ -169,8 +174,15 @@ struct Executor {
   void read_macro_parameters();
   void remember_modal_values();
   ModalValues modal_values() const;
-  bool interrupt(const AxisVector& machine_position);
+  // interruption.cpp
+  bool interrupt(const AxisVector& machine_position, bool inside_block);
   void end_interruption(const InterruptedState& before, bool keep_modal);
+  bool allow_interruption(const program::Code& written, bool on);
+  bool interrupting() const;  ///< an interruption program is on the stack
+  void read_look_ahead_parameters();  // look_ahead.cpp
+  void remember_sequence(std::uint32_t sequence, const BlockPlace& place) {
+    if (frames.back().macro.passed != nullptr) frames.back().macro.passed->pass(sequence, place);
+  }
   /// Everything handed out must have been carried out before what follows is read (G31, M00, unbuffered M).
   void hold_look_ahead() { barrier = true; }
   void flush_changes();
@@ -182,8 +194,11 @@ struct Executor {
   bool execute();
   bool execute_words();
   bool check_words();
+  bool is_h_block() const;
   bool take_codes();
   bool run_settings();
+  bool length_in_block() const;  ///< G43, G44 or G49
+  bool rigid_tap_follows();
   bool run_m_codes(bool after_motion);
   bool run_program_flow();
 
@@ -292,10 +307,10 @@ struct Executor {
   bool digits_fit(const program::Word& word, std::string_view parameter, std::string detail);
   char second_auxiliary() const;
   bool take_second_auxiliary(char letter);
-  bool apply_tool_offset(std::int64_t geometry, std::int64_t wear, std::uint32_t column);
 
   // ---- chamfers, corner rounds, angles (corner_words.cpp)
-  /// Reads the block's words for its corner and takes them out of `block.words`. @return false after an alarm.
+  /// Reads the block's words for its corner and takes them out of `block.words`. @return false after an
+  /// alarm.
   bool take_corner_words();
   /// After take_targets: the end point that the block's angle gives.
   bool take_angle(std::uint32_t& moved);
@@ -312,7 +327,10 @@ struct Executor {
       jumps = idle_jumps = 0;
     }
     if constexpr (std::is_base_of_v<Motion, T>) ++motions;
-    if constexpr (!std::is_same_v<T, Message> && !std::is_same_v<T, Alarm>) at_standstill = false;
+    if constexpr (!std::is_same_v<T, Message> && !std::is_same_v<T, Alarm>) {
+      at_standstill = false;
+      interruption.acted = true;
+    }
     if (!out_used) {
       out_used = true;
       return out->emplace<T>();
@@ -335,6 +353,9 @@ struct Executor {
   program::Programs* programs;
   DataChanged changed;
   std::unique_ptr<OwnLanguage> own;  ///< of the dialect; most have none
+  macro::Environment offline;        ///< in force when nobody gives another one
+  macro::Environment* environment = &offline;
+  std::uint32_t steps = 0;  ///< until the environment is asked again
 
   // ---- settings
   Switches switches;
@@ -368,10 +389,15 @@ struct Executor {
   PolarCommand polar;
   SkipState skip;
   DataInputMode data_input;
+  Interruption interruption;
+  LookAhead look_ahead;
+  std::int32_t part_count_m = -1;  ///< Dialect::part_count_m_parameter; -1: none
+  std::int32_t rigid_m = -1;       ///< Dialect::rigid_m_parameter
   SurfaceMode surface;
   SurfacePath surface_path;
   ModalSnapshot shown_modal;  ///< see modal_on_machine
   bool any_rolls_over = false, any_on_circle = false;
+  double inch_setting = -1;  ///< value of ModeRules::inch_parameter that has been taken up; -1: none
   bool polygon = false;     ///< G51.2
   char gcode_system = 'A';  ///< in force: the switch, or the parameter
   struct Codes {
@@ -381,6 +407,7 @@ struct Executor {
   char auxiliary_letter = 0;        ///< of the second auxiliary function; 0: none
   bool one_digit_feed = false;      ///< F1…F9 are digits
   ToolLife life;
+  ToolOffsetState tool_offset;
   bool one_digit_rapid = false;  ///< F0 of one-digit feed: cutting moves run at the rapid rate
   AxisVector increment_limit{};  ///< G91.1, programming units; 0: none
   double unit_mm = 1;            ///< mm of a programming unit
@@ -432,7 +459,8 @@ struct Executor {
 
   // ---- chamfers, corner rounds, G41/G42
   Pipeline pipeline;
-  std::array<std::int64_t, 2> angle_from{};  ///< programmed position of the plane's axes before an angle block
+  std::array<std::int64_t, 2>
+      angle_from{};  ///< programmed position of the plane's axes before an angle block
 
   // ---- results of the block
   Operation* out = nullptr;

@@ -126,31 +126,17 @@ bool Executor::take_tool() {
   const std::int64_t number = both ? value : value / split;
   const std::int64_t wear = value % split;
   const bool by_tool = data.bit(dialect.tools.geometry_by_tool_parameter);
-  if (!apply_tool_offset(by_tool && wear != 0 ? number : wear, wear, word.column)) return false;
+  if (!tool_offset::take(*this, by_tool && wear != 0 ? number : wear, wear, word.column)) return false;
   modal.tool = static_cast<std::int32_t>(number);
   modal.offset = static_cast<std::int32_t>(wear);
   auto& tool = emit<Tool>();
   tool.at = at;
   tool.tool = modal.tool;
   tool.offset = modal.offset;
-  return true;
-}
-
-// By coordinate shift: the slides stay, the position display changes.
-bool Executor::apply_tool_offset(std::int64_t geometry, std::int64_t wear, std::uint32_t column) {
-  const auto most = static_cast<std::int64_t>(dialect.tools.most_offsets);
-  if (geometry > most || wear > most) return alarm(AlarmReason::offset_number, column, "T");
-  const auto row = [this](std::int64_t number) -> const ToolOffset* {
-    const auto index = static_cast<std::size_t>(number);
-    return number > 0 && index < data.tools.size() ? &data.tools[index] : nullptr;
-  };
-  const ToolOffset* shape = row(geometry);
-  const ToolOffset* worn = row(wear);
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    const double page = (shape != nullptr ? shape->geometry[i] : 0) + (worn != nullptr ? worn->wear[i] : 0);
-    axes[i].zero_tool = dialect.tools.sign * page_to_slide(i, page);
+  if (dialect.tool_offsets.moves_first && pending_axes != 0) {
+    fill_motion(emit<Rapid>(), pending_axes);
+    pending_axes = 0;
   }
-  update_zeros();
   return true;
 }
 

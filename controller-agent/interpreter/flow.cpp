@@ -27,8 +27,9 @@ AlarmReason reason_of(program::LexError error) {
     case LexError::illegal_character:
       return AlarmReason::illegal_address;
     case LexError::too_many_codes:
-    case LexError::too_many_words:
       return AlarmReason::too_many_m;
+    case LexError::too_many_words:
+      return AlarmReason::too_many_words;
     case LexError::mixed_statement:
       return AlarmReason::macro_with_words;
     case LexError::sequence_format:
@@ -92,7 +93,7 @@ Executor::Step Executor::step() {
   Frame& frame = frames.back();
   if (barrier) {
     barrier = false;
-    if (!at_standstill && macros != nullptr && macros->environment->takes_time()) return Step::standstill;
+    if (!at_standstill && environment->takes_time()) return Step::standstill;
   }
   if (own && own->before_block(*this, frame) == OwnLanguage::Taken::done) return Step::done;
   if (frame.macro.next != nullptr) return carry_out(*std::exchange(frame.macro.next, nullptr));
@@ -144,6 +145,7 @@ Executor::Step Executor::read_block() {
   at.line = frame.line.number;
   at.column = 0;
   at.byte_offset = place.offset();
+  if (interruption.enabled && frame.macro.kind != CallKind::interruption) interruption.block = place;
   if (own && own->take_text(*this, frame) == OwnLanguage::Taken::done) return Step::done;
   if (frame.wanted_sequence >= 0) return search_block();
   line_end = frame.line.text.data() + frame.line.text.size();
@@ -167,7 +169,10 @@ Executor::Step Executor::read_block() {
     end_of_text(true);
     return Step::done;
   }
-  if (block.has_sequence) at.sequence = block.sequence;
+  if (block.has_sequence) {
+    at.sequence = block.sequence;
+    remember_sequence(block.sequence, place);
+  }
 
   if (block.skip != 0 && (block.skip & switches.block_skip) != 0) {
     frame.rest =
@@ -220,6 +225,7 @@ Executor::Step Executor::read_block() {
 }
 
 void Executor::run_block(bool empty, bool has_sequence, std::uint32_t sequence) {
+  if (empty && has_sequence && data_input.line != nullptr) empty = false;  // G10 L52: N without R is an alarm
   if (!empty) pipeline.block_read();
   if (cycle.watch != nullptr) {  // a block of a profile
     if (!empty && (!cycle.watch->admit(*this) || !execute())) return;
@@ -360,6 +366,9 @@ Frame& Executor::push_program(std::unique_ptr<program::Source> source, std::uint
       frame.macro.external = frames.back().macro.external;
     }
     frame.macro.code = std::make_shared<CompiledProgram>();
+    const bool first = data.bit(macros->rules.fast_goto_first_parameter);
+    const bool recent = data.bit(macros->rules.fast_goto_recent_parameter);
+    if (first || recent) frame.macro.passed = std::make_unique<SequenceMemory>(first, recent);
   }
   frames.push_back(std::move(frame));
   return frames.back();
@@ -399,7 +408,11 @@ bool Executor::begin_again(Frame& frame) {
   macro.next = macro.code != nullptr ? macro.code->find(0) : nullptr;
   macro.displaced = true;
   macro.place = {};
-  if (frame.reader != nullptr && !frame.reader->can_seek()) return alarm(AlarmReason::input_failed, 0);
+  if (frame.reader != nullptr && !frame.reader->can_seek()) {
+    if (!macro.external) return alarm(AlarmReason::input_failed, 0);
+    frame.reader.reset();  // the external device is asked for it again
+    macro.displaced = false;
+  }
   if (macro.start_sequence >= 0)
     return begin_search(macro.start_sequence, 0, AlarmReason::sequence_not_found);
   return true;

@@ -93,36 +93,6 @@ bool cutting_mode(Executor& ex) {
   return true;
 }
 
-// G43/G44 H, G49: tool length along Z, by moving the zero point; without a Z word the axis moves by the
-// difference.
-bool length_offset(Executor& ex) {
-  const std::int32_t tenths = ex.code->tenths;
-  ex.length_sign = tenths == 430 ? 1 : tenths == 440 ? -1 : 0;
-  if (ex.block.has('H')) {
-    ex.length_offset = ex.whole('H', AlarmReason::offset_number);
-    if (ex.length_offset < 0 || !tool_life::take_offset(ex, 'H', ex.length_offset, ex.block['H'].column)) return false;
-    if (ex.length_offset > static_cast<std::int64_t>(ex.dialect.tools.most_offsets)) {
-      return ex.alarm(AlarmReason::offset_number, ex.block['H'].column, "H");
-    }
-  }
-  const auto z = ex.axis_named('Z');
-  if (!z) {
-    return ex.length_sign == 0 ||
-           ex.alarm(AlarmReason::length_axis, ex.code_column, std::string(ex.code->name));
-  }
-  const auto number = static_cast<std::size_t>(ex.length_offset);
-  const bool known = ex.length_sign != 0 && number > 0 && number < ex.data.tools.size();
-  const double length = known ? ex.data.tools[number].geometry[*z] + ex.data.tools[number].wear[*z] : 0;
-  const double shift = ex.length_sign * length;
-  ProgramAxis& axis = ex.axes[*z];
-  if (shift == axis.zero_tool) return true;
-  ex.modal.work_zero[*z] += shift - axis.zero_tool;
-  axis.zero_tool = shift;
-  ex.pending_axes |= 1u << *z;
-  ex.modal.offset = static_cast<std::int32_t>(ex.length_sign == 0 ? 0 : ex.length_offset);
-  return true;
-}
-
 // G10 on a control that has nothing but tool life to put in.
 bool tool_life_input(Executor& ex) {
   const std::int64_t l = ex.block.has('L') ? ex.whole('L', AlarmReason::data_input) : 0;
@@ -130,8 +100,8 @@ bool tool_life_input(Executor& ex) {
   return l == 3 ? tool_life::input(ex) : ex.alarm(AlarmReason::g_unavailable, ex.code_column, "G10");
 }
 
-// G65 P and G66 P are taken before the block's words are looked at (macro_call.cpp). What comes here is a form of
-// G65 that is no call: the pattern screens of G65 H90-H94.
+// G65 P and G66 P are taken before the block's words are looked at (macro_call.cpp). What comes here is a
+// form of G65 that is no call: the pattern screens of G65 H90-H94.
 bool macro_call(Executor& ex) {
   return ex.alarm(AlarmReason::g_unavailable, ex.code_column, std::string(ex.code->name));
 }
@@ -174,6 +144,8 @@ constexpr Named kHandlers[] = {
     {"tool_life_input", Phase::action, tool_life_input},
     {"data_input_end", Phase::action, data_input_end},
     {"skip", Phase::action, skip},
+    {"measure", Phase::action, measure},
+    {"tool_step", Phase::action, tool_step},
     {"mirror_on", Phase::action, mirror_on},
     {"mirror_off", Phase::action, mirror_off},
     {"scaling_on", Phase::action, scaling_on},
@@ -207,6 +179,12 @@ constexpr Named kHandlers[] = {
 };
 
 }  // namespace
+
+// G43/G44 H, G49: tool length, by moving the zero point; an axis without a word moves by the change.
+bool length_offset(Executor& ex) {
+  const std::int32_t tenths = ex.code->tenths;
+  return tool_offset::take_length(ex, tenths == 430 ? 1 : tenths == 440 ? -1 : 0);
+}
 
 bool thread(Executor& ex) {
   return ex.thread(false);

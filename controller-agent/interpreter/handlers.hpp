@@ -21,5 +21,8 @@ bool set_coordinates(Executor& ex);  // G50, G92
 bool thread(Executor& ex);           // G32, G33
 bool thread_variable(Executor& ex);  // G34
 bool contour_by_q(Executor& ex);     // G05.1
+bool length_offset(Executor& ex);    // G43 G44 G49
+bool tool_step(Executor& ex);        // G45-G48 (tool_step.cpp)
+bool measure(Executor& ex);          // G36 G37 (measure.cpp)
 
 }  // namespace headstock::interp::handlers

@@ -18,15 +18,28 @@ void Interpreter::set_switches(const Switches& switches) {
 void Interpreter::on_data_change(DataChanged callback) {
   executor_->changed = std::move(callback);
 }
-void Interpreter::set_environment(macro::Environment* environment) {
-  if (executor_->macros != nullptr)
-    executor_->macros->environment = environment != nullptr ? environment : &executor_->macros->offline;
+void Interpreter::data_edited() {
+  executor_->update_zeros();
 }
-bool Interpreter::interrupt(const AxisVector& machine_position) {
-  return executor_->interrupt(machine_position);
+void Interpreter::set_environment(macro::Environment* environment) {
+  executor_->environment = environment != nullptr ? environment : &executor_->offline;
+  if (executor_->macros != nullptr) executor_->macros->environment = executor_->environment;
+}
+bool Interpreter::interrupt(const AxisVector& machine_position, bool inside_block) {
+  return executor_->interrupt(machine_position, inside_block);
 }
 bool Interpreter::interruption_enabled() const {
-  return executor_->macros != nullptr && executor_->macros->interruption_on_now;
+  return executor_->interruption.enabled && !executor_->interrupting();
+}
+Interpreter::InterruptionSignal Interpreter::interruption_signal() const {
+  const auto& rules = executor_->dialect.interruption;
+  const MachineData& data = executor_->data;
+  const bool inside =
+      rules.inside_parameter.empty() ? !data.bit(rules.between_parameter) : data.bit(rules.inside_parameter);
+  return {inside, data.bit(rules.level_parameter)};
+}
+bool Interpreter::interruption_only_looks() const {
+  return executor_->interrupting() && !executor_->interruption.acted;
 }
 std::uint32_t Interpreter::macro_control() const {
   return executor_->macros != nullptr ? executor_->macros->control : 0;

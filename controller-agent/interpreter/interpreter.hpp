@@ -33,6 +33,13 @@ enum class DecimalPoint : std::uint8_t {
   pocket       ///< pocket calculator: X10 is 10 mm
 };
 
+/// Where the main program comes from: some codes are not allowed everywhere.
+enum class ProgramOrigin : std::uint8_t {
+  memory,
+  mdi,  ///< typed at the panel
+  dnc   ///< over a line: cannot be searched
+};
+
 /// Switches of the machine that change what a block means.
 struct Switches {
   std::uint32_t block_skip = 0;  ///< bit n: /n is on (bit 1 also serves plain "/")
@@ -41,6 +48,7 @@ struct Switches {
   bool lenient = false;     ///< field files: `;` comments, no O/%, bare numbers as mm
   char gcode_system = 'A';  ///< A, B or C (fanuc-0i-t)
   DecimalPoint decimal_point = DecimalPoint::as_machine;
+  ProgramOrigin origin = ProgramOrigin::memory;
   /// Jumps without motion, dwell, stop or M code before a program is called endless (HS0001). A loop that
   /// assigns nothing and looks at nothing is endless after a hundred thousand.
   std::uint64_t most_jumps = 20'000'000;
@@ -82,6 +90,8 @@ class Interpreter {
 
   void set_switches(const Switches& switches);
   void on_data_change(DataChanged callback);
+  /// Offsets or parameters were changed by hand while no program runs: positions are shown with the new ones.
+  void data_edited();
   /// What macros ask of the running machine. Must outlive the interpreter; nullptr: the offline default.
   void set_environment(macro::Environment* environment);
 
@@ -112,8 +122,18 @@ class Interpreter {
   /// The interruption macro (M96 P): to be called between two pulls, with everything handed out carried out or
   /// dropped, when the interruption signal has come. The axes stand at `machine_position`.
   /// @return false when no interruption is enabled or one is running: nothing has happened.
-  bool interrupt(const AxisVector& machine_position);
-  /// M96 is in force: the look-ahead takes one block at a time, so that an interruption finds the machine where
+  /// @param inside_block the axes stand inside a block's move, not at its end
+  bool interrupt(const AxisVector& machine_position, bool inside_block = false);
+  /// An interruption program runs that has commanded nothing yet: whoever broke into a block keeps the rest of it.
+  /// When the program returns so, the block goes on from where it was (0i-D 14.9.3, type I).
+  bool interruption_only_looks() const;
+  /// How the control's parameters say the signal is taken.
+  struct InterruptionSignal {
+    bool inside_blocks = false;  ///< at once; otherwise when the block is over
+    bool by_level = false;       ///< as long as it is on; otherwise on its rising edge
+  };
+  InterruptionSignal interruption_signal() const;
+  /// M96 is in force and no interruption program runs: the look-ahead takes one block at a time, so that an interruption finds the machine where
   /// the interpreter is.
   bool interruption_enabled() const;
 

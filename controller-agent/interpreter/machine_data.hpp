@@ -38,6 +38,7 @@ struct MachineData {
   /// By the manual's number: "1401", "1401#1" for bits, "1241/X" for one axis; absent = default.
   std::map<std::string, double, std::less<>> parameters;
   std::map<std::uint32_t, double> common_variables;  ///< #100…#199, #500…#999; absent = null
+  std::map<std::uint32_t, std::string> variable_names;  ///< #500…#549, given by SETVN
   tools::LifeTable tool_life;                        ///< groups of tools that replace each other
   std::uint64_t version = 0;                         ///< grows with every change
 
@@ -51,6 +52,7 @@ struct DataChange {
   std::string what;  ///< "tool/3/geometry/X", "work/G54/Z", "parameter/3402#0", "variable/500"
   double before = 0;
   double after = 0;
+  std::string_view source = "program";  ///< a constant: "G10", "measurement" (G36, G37 …), otherwise "program"
 };
 using DataChanged = std::function<void(const DataChange&)>;
 

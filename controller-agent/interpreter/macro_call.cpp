@@ -1,4 +1,4 @@
-// Calls: G65, G66/G67, codes that call by parameter, M198, and the interruption macro.
+// Calls: G65, G66/G67, codes that call by parameter, M198.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -7,16 +7,6 @@
 #include "interpreter/executor.hpp"
 
 namespace headstock::interp {
-
-/// What M99 of an interruption program brings back.
-struct InterruptedState {
-  ModalSnapshot modal;
-  const GCode* motion_code = nullptr;
-  bool incremental = false, exact_stop_mode = false, constant_surface_speed = false;
-  FeedUnit feed_unit = FeedUnit::mm_per_minute;
-  Plane plane = Plane::xy;
-  double feed_mm = -1, rpm = 0, surface_speed = 0;
-};
 
 namespace {
 
@@ -108,11 +98,11 @@ void Executor::read_macro_parameters() {
   const std::int64_t external = whole_parameter(rules.external_m_parameter);
   const bool is_set = external > 2 && external != 30 && external != 98 && external != 99;
   macros->external_m = rules.external_call ? is_set ? static_cast<std::int32_t>(external) : 198 : -1;
-  macros->interruption_on = rules.interruption ? 96 : -1;
-  macros->interruption_off = rules.interruption ? 97 : -1;
+  interruption.on_code = rules.interruption ? 96 : -1;
+  interruption.off_code = rules.interruption ? 97 : -1;
   if (rules.interruption && data.bit(rules.interruption_codes_parameter)) {
-    macros->interruption_on = static_cast<std::int32_t>(whole_parameter(rules.interruption_on_parameter));
-    macros->interruption_off = static_cast<std::int32_t>(whole_parameter(rules.interruption_off_parameter));
+    interruption.on_code = static_cast<std::int32_t>(whole_parameter(rules.interruption_on_parameter));
+    interruption.off_code = static_cast<std::int32_t>(whole_parameter(rules.interruption_off_parameter));
   }
   macros->calls_by_code = !macros->g_calls.empty() || !macros->m_calls.empty() || macros->t_calls ||
                           macros->call_letters[0] != '\0' || macros->call_letters[1] != '\0';
@@ -149,7 +139,7 @@ int Executor::argument_decimals(char letter) const {
     for (std::int64_t unit = increment; unit < program::kNano; unit *= 10) ++decimals;
     return decimals;
   };
-  if (pocket) return 0;
+  if (pocket && !data.bit(macros->rules.typed_arguments_parameter)) return 0;
   const auto axis = axis_of[program::letter_index(letter)];
   if (axis >= 0) return decimals_of(axes[static_cast<std::size_t>(axis)].increment);
   if (letter == 'F' || (letter == 'E' && dialect.tools.lathe)) {
@@ -161,6 +151,7 @@ int Executor::argument_decimals(char letter) const {
       unit = modal.inch ? numbers.feed_per_revolution_unit_inch : numbers.feed_per_revolution_unit_mm;
     return static_cast<int>(std::lround(-std::log10(unit)));
   }
+  if (letter == 'D' && data.bit(macros->rules.decimal_d_parameter)) return decimals_of(linear_increment);
   return (macros->rules.whole_arguments & bit) != 0 ? 0 : decimals_of(linear_increment);
 }
 
@@ -345,16 +336,10 @@ bool Executor::take_calls(bool& taken) {
       if (!call_external(written.column)) return false;
       continue;
     }
-    if (macros->interruption_on > 0 &&
-        (written.tenths == macros->interruption_on * 10 || written.tenths == macros->interruption_off * 10)) {
-      macros->interruption_on_now = written.tenths == macros->interruption_on * 10;
+    if (interruption.on_code > 0 &&
+        (written.tenths == interruption.on_code * 10 || written.tenths == interruption.off_code * 10)) {
       remove_code(block.m, block.m_count, i--);
-      if (macros->interruption_on_now) {
-        if (!block.has('P')) return alarm(AlarmReason::call_without_p, written, 'M');
-        const std::int64_t number = whole('P', AlarmReason::call_without_p);
-        if (number < 0) return false;
-        macros->interruption_program = static_cast<std::uint32_t>(number);
-      }
+      if (!allow_interruption(written, written.tenths == interruption.on_code * 10)) return false;
       continue;
     }
     const CodeCall* by_code = codes_call ? find_call(macros->m_calls, written.tenths) : nullptr;
@@ -408,6 +393,9 @@ bool Executor::take_calls(bool& taken) {
 
 bool Executor::call_external(std::uint32_t column) {
   if (frames.back().macro.external) return alarm(AlarmReason::external_twice, column, "M198");
+  if (switches.origin == ProgramOrigin::mdi && !data.bit(macros->rules.external_in_mdi_parameter))
+    return alarm(AlarmReason::external_in_mdi, column, "M198");
+  if (switches.origin == ProgramOrigin::dnc) return alarm(AlarmReason::external_in_dnc, column, "M198");
   if (sub_call != nullptr) return alarm(AlarmReason::sub_call_twice, column, "M198");
   if (!block.has('P')) return alarm(AlarmReason::call_without_p, column, "M198");
   const std::int64_t number = whole('P', AlarmReason::call_without_p);
@@ -447,54 +435,6 @@ bool Executor::run_pending_call() {
     frame.macro.code = compiled;
   }
   return true;
-}
-
-bool Executor::interrupt(const AxisVector& machine_position) {
-  if (macros == nullptr || !macros->interruption_on_now || finished || frames.empty()) return false;
-  for (const Frame& frame : frames) {
-    if (frame.macro.kind == CallKind::interruption) return false;  // ignored until it has returned
-  }
-  set_position(machine_position);
-  auto source = programs == nullptr ? nullptr : programs->open_number(macros->interruption_program);
-  if (source == nullptr) {
-    // The alarm comes out with the next pull.
-    queue.emplace_back(Alarm{at, std::string(dialect.alarm_code(AlarmReason::program_not_found)),
-                             "O" + std::to_string(macros->interruption_program)});
-    finished = true;
-    return true;
-  }
-  macros->interrupted = modal_values();
-  auto before = std::make_shared<InterruptedState>();
-  *before = {modal, motion_code, incremental, exact_stop_mode, constant_surface_speed, feed_unit,
-             plane, feed_mm,     rpm,         surface_speed};
-  Frame& frame = push_program(std::move(source), macros->interruption_program, 1);
-  frame.macro.kind = CallKind::interruption;
-  frame.macro.modal_calls.clear();  // G66 does not act in it (L20973)
-  frame.macro.interrupted = std::move(before);
-  if (!data.bit(macros->rules.interruption_same_locals_parameter)) {
-    frame.macro.locals = std::make_shared<macro::LocalSet>();
-    macros->variables.locals = frame.macro.locals.get();
-  }
-  return true;
-}
-
-void Executor::end_interruption(const InterruptedState& before, bool keep_modal) {
-  if (keep_modal) return;  // M99 P: what the interruption program left stays (L20893)
-  const ModalSnapshot now = modal;
-  modal = before.modal;
-  modal.work_zero = now.work_zero;
-  modal.tool = now.tool;
-  modal.offset = now.offset;
-  if (modal.inch != now.inch) set_units(modal.inch);
-  motion_code = before.motion_code;
-  incremental = before.incremental;
-  exact_stop_mode = before.exact_stop_mode;
-  constant_surface_speed = before.constant_surface_speed;
-  feed_unit = before.feed_unit;
-  select_plane(before.plane);
-  feed_mm = before.feed_mm;
-  rpm = before.rpm;
-  surface_speed = before.surface_speed;
 }
 
 }  // namespace headstock::interp

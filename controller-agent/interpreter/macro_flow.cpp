@@ -125,6 +125,7 @@ Executor::Step Executor::carry_out(CompiledBlock& c) {
   at.line = c.place.line.number;
   at.column = 0;
   at.byte_offset = c.place.offset();
+  if (interruption.enabled && frame.macro.kind != CallKind::interruption) interruption.block = c.place;
   if (c.has_number) {
     if (!frame.at_start && c.number != frame.number) {
       end_of_text(true);
@@ -132,7 +133,10 @@ Executor::Step Executor::carry_out(CompiledBlock& c) {
     }
     if (frame.at_start) frame.number = at.program = c.number;
   }
-  if (c.has_sequence) at.sequence = c.sequence;
+  if (c.has_sequence) {
+    at.sequence = c.sequence;
+    remember_sequence(c.sequence, c.place);
+  }
   if (c.skip != 0 && (c.skip & switches.block_skip) != 0) {
     go_on_at({c.next_line, 0});
     return Step::done;
@@ -163,11 +167,25 @@ Executor::Step Executor::carry_out(CompiledBlock& c) {
     return Step::done;
   }
   if (!c.is_empty) pipeline.block_read();
-  if (c.is_statement) return Step::done;
+  if (c.is_statement) {
+    if (!finished && stops_at_statements()) {
+      auto& passed = emit<Message>();
+      passed.at = at;
+      passed.kind = MessageKind::statement;
+    }
+    return Step::done;
+  }
   go_on_after(c);
   if (!c.is_empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;
   run_block(c.is_empty, c.has_sequence, c.sequence);
   return Step::done;
+}
+
+// SBM stops always; SBV unless #3003 says not to (0i-D L20275).
+bool Executor::stops_at_statements() const {
+  const macro::Rules& rules = macros->rules;
+  return data.bit(rules.single_block_parameter) ||
+         (data.bit(rules.switched_single_block_parameter) && (macros->control & 1u) == 0);
 }
 
 Result Executor::run_statement(CompiledBlock& c) {
@@ -248,7 +266,13 @@ Result Executor::set_names(const macro::Statement& statement) {
   std::uint32_t number = statement.number;
   for (const std::string& name : statement.names) {
     if (number < 500 || number > 549) return Result::failed(AlarmReason::macro_names_form);
-    macros->variables.name(number++, name);
+    macros->variables.name(number, name);
+    if (std::string& kept = data.variable_names[number]; kept != name) {  // outlives power-off (L17203)
+      kept = name;
+      const double value = macros->common.get(number);
+      report_change("variable/" + std::to_string(number), value, value);
+    }
+    ++number;
   }
   return {};
 }
@@ -271,6 +295,18 @@ Result Executor::go_to_sequence(CompiledBlock& c) {
   if (!(value >= 1 && value <= macros->rules.most_goto)) return Result::failed(AlarmReason::macro_goto_range);
   const auto sequence = static_cast<std::uint32_t>(value);
   Frame& frame = frames.back();
+  if (frames.size() == 1 && switches.origin != ProgramOrigin::memory)
+    return Result::failed(switches.origin == ProgramOrigin::mdi ? AlarmReason::mdi_jump : AlarmReason::macro_dnc);
+  if (frame.macro.passed != nullptr) {
+    if (const BlockPlace* place = frame.macro.passed->find(sequence)) {
+      const BlockPlace there = *place;
+      if (!count_jump()) return {};
+      frame.macro.passed->found(sequence, there);
+      leave_loops_around(there.offset());
+      go_on_at(there);
+      return {};
+    }
+  }
   for (const auto& [known, place] : c.targets) {
     if (known != sequence) continue;
     if (!count_jump()) return {};
@@ -290,6 +326,8 @@ Result Executor::go_to_sequence(CompiledBlock& c) {
 Result Executor::begin_loop(CompiledBlock& c) {
   MacroFrame& macro = frames.back().macro;
   const bool inside = !macro.loops.empty() && macro.loops.back().begin == &c;
+  if (frames.size() == 1 && switches.origin != ProgramOrigin::memory)
+    return Result::failed(switches.origin == ProgramOrigin::mdi ? AlarmReason::mdi_jump : AlarmReason::macro_dnc);
   if (!c.loop_known) {
     const Result result = find_loop_end(c);
     if (!result.ok()) return result;

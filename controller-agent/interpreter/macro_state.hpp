@@ -13,6 +13,7 @@
 
 #include "interpreter/canonical.hpp"
 #include "interpreter/compiled_program.hpp"
+#include "interpreter/sequence_memory.hpp"
 #include "macro/environment.hpp"
 #include "macro/rules.hpp"
 #include "macro/variables.hpp"
@@ -21,6 +22,7 @@
 namespace headstock::interp {
 
 struct Executor;
+struct MachineData;
 
 /// How a program came onto the stack.
 enum class CallKind : std::uint8_t {
@@ -70,6 +72,7 @@ struct MacroFrame {
   ModalCalls modal_calls;
   bool returns_after_call = false;  ///< M99 stood in the block whose move made the call
   std::int64_t returns_to = -1;
+  std::unique_ptr<SequenceMemory> passed;  ///< sequence numbers, for GOTO
   // ---- an interruption
   std::shared_ptr<InterruptedState> interrupted;
 };
@@ -116,9 +119,11 @@ class SystemAccess final : public macro::SystemVariables {
 struct MacroState {
   MacroState(Executor& executor, const macro::Rules& macro_rules, bool lathe);
 
+  /// The main program's locals outlive reset and the program's end (2000TC S173.1 CLV).
+  bool keeps_locals(const MachineData& data) const;
+
   const macro::Rules& rules;
-  macro::Environment* environment;
-  macro::Environment offline;  ///< in force when nobody gives another one
+  macro::Environment* environment;  ///< Executor::environment
   SystemAccess system;
   macro::CommonVariables common;
   std::uint64_t common_version = 0;  ///< MachineData::version they were loaded at
@@ -132,9 +137,6 @@ struct MacroState {
   std::array<char, 2> call_letters{};  ///< '\0': none
   bool t_calls = false;
   std::int32_t external_m = 198;
-  std::int32_t interruption_on = -1, interruption_off = -1;
-  std::uint32_t interruption_program = 0;
-  bool interruption_on_now = false;
   bool calls_by_code = false;  ///< any of the first four: blocks are looked through
 
   // ---- what blocks before this one left behind
@@ -144,8 +146,9 @@ struct MacroState {
   std::uint32_t control = 0;                              ///< #3003, and #3004 from bit 4 on
   std::array<double, program::kMostComputed> computed{};  ///< values of Block::computed, not rounded
   std::string comment;  ///< of the statement being carried out: #3000, #3006
+  const std::vector<macro::Expression>* filled = nullptr;  ///< the block's, by ComputedWord::expression
+  macro::LocalSet kept_locals;  ///< of the main program, see Rules::clear_locals_parameter
   std::uint64_t writes_at_jump = 0;
-  std::uint32_t steps = 0;  ///< until the environment is asked again
 };
 
 }  // namespace headstock::interp

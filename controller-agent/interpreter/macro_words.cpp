@@ -35,30 +35,37 @@ void remove_code(std::array<program::Code, N>& codes, std::uint8_t& count, std::
 
 Result Executor::fill_computed(const CompiledBlock& compiled) {
   std::size_t g_removed = 0, m_removed = 0;
+  macros->filled = &compiled.expressions;
+  const bool h_block = is_h_block();
   for (std::size_t i = 0; i < block.computed_count; ++i) {
     const program::ComputedWord& word = block.computed[i];
     const bool is_code = word.letter == 'G' || word.letter == 'M';
     const auto letter = program::letter_index(word.letter);
     const std::uint32_t bit = program::letter_bit(word.letter);
     // Least increments a unit: what the value, and ROUND in its expression, is rounded to.
-    double steps = 1;
+    double per_unit = 1;
     if (is_code) {
-      steps = 10;
+      per_unit = 10;
     } else if (axis_of[letter] >= 0 && !word.marked) {
-      steps = kNanoScale / static_cast<double>(axes[static_cast<std::size_t>(axis_of[letter])].increment);
+      per_unit = kNanoScale / static_cast<double>(axes[static_cast<std::size_t>(axis_of[letter])].increment);
     } else if (word.letter == 'F' || word.letter == 'E') {
-      steps = 1e6;
+      per_unit = 1e6;
     } else if ((may_point & bit) != 0 || word.marked) {
-      steps = kNanoScale / static_cast<double>(linear_increment);
+      per_unit = kNanoScale / static_cast<double>(linear_increment);
     }
     double value = 0;
     const Result result =
-        macro::evaluate(compiled.expressions[word.expression], macros->variables, is_code ? 1 : steps, value);
+        macro::evaluate(compiled.expressions[word.expression], macros->variables, is_code ? 1 : per_unit, value);
     const std::uint32_t column = is_code           ? 0
                                  : word.marked     ? block.marked_word[letter].column
                                  : word.place == 0 ? block.word[letter].column
                                                    : block.earlier[word.place - 1u].word.column;
     at.column = column;
+    if (result.status == macro::Status::fault && h_block && word.letter == 'P') {
+      macros->computed[i] = macro::kNull;  // P names the variable; it may be one that can only be written
+      forget(block, word);
+      continue;
+    }
     if (!result.ok()) return result;
     macros->computed[i] = value;
     if (macro::is_null(value)) {  // the address counts as not written (L13573)
@@ -81,8 +88,8 @@ Result Executor::fill_computed(const CompiledBlock& compiled) {
     program::Word& into = word.marked       ? block.marked_word[letter]
                           : word.place == 0 ? block.word[letter]
                                             : block.earlier[word.place - 1u].word;
-    const std::int64_t rounded = nearest_step(value, steps);
-    into.digits = rounded * static_cast<std::int64_t>(kNanoScale / steps);
+    const std::int64_t rounded = nearest_step(value, per_unit);
+    into.digits = rounded * static_cast<std::int64_t>(kNanoScale / per_unit);
     into.decimals = program::kNanoDecimals;
     into.point = true;
     const bool negative = rounded < 0;

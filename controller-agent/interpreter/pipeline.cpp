@@ -32,8 +32,12 @@ void Pipeline::clear() {
   d_number = number;
 }
 
-void Pipeline::activate(const AxisVector& machine_position) {
-  if (!active_) position_ = machine_position;
+void Pipeline::activate(const AxisVector& machine_position, const AxisVector& work_position) {
+  if (!active_) {
+    touch_ = lift_block_ = false;  // said of a block before this one, when nothing was compensated
+    position_ = passed_machine_ = machine_position;
+    passed_work_ = work_position;
+  }
   active_ = true;
 }
 
@@ -106,10 +110,6 @@ void Pipeline::take(Executor& ex) {
   ex.queue_head = 0;
   ex.out_used = false;
 
-  // Polar and cylindrical interpolation hand on moves of the machine's axes: no contour to run beside.
-  if (side_ != 0 && ex.surface.now.kind != SurfaceKind::none) {
-    raise(ex, AlarmReason::compensation_refused, ex.at, 0, {});
-  }
   const CompensationMode mode = mode_of(ex);
   bool moved = false;
   for (Operation& op : incoming_) {
@@ -134,7 +134,7 @@ void Pipeline::take(Executor& ex) {
       quiet_block(ex);
     }
   }
-  block_counts_ = again_ = lift_block_ = false;
+  block_counts_ = again_ = lift_block_ = written_here_ = false;
   request_ = {};
   const bool busy = held_corner_ || on_ || has_last_ || has_previous_ || side_ != 0;
   if (!busy || stopped_) active_ = false;
@@ -195,6 +195,10 @@ void Pipeline::meet_corner(Executor& ex, Entry&& next) {
                            ex.dialect.corners.chamfer_size);
   }
   if (cut.fault == CornerFault::too_large) return fail(AlarmReason::corner_too_large);
+  // Not where compensation begins, ends or changes its side (0i-D PS0039, K2000TC L17717).
+  const bool begins = held_.mode.wanted && !on_, ends = held_.mode.wanted && !next.mode.wanted;
+  if (cut.fault == CornerFault::none && (begins || ends || held_.mode.radius * next.mode.radius < 0))
+    return fail(AlarmReason::compensation_corner);
 
   Entry first = std::move(held_);
   held_corner_ = false;
@@ -205,6 +209,7 @@ void Pipeline::meet_corner(Executor& ex, Entry&& next) {
     inserted.path = cut.inserted;
     inserted.op =
         motion_along(ex, *motion_in(first.op), first.mode, cut.inserted.to, cut.inserted, feed_of(first.op));
+    if (ex.data.bit(ex.dialect.corners.stop_parameter)) ++motion_in(inserted.op)->at.part;
     move_end(ex, first.op, first.mode, cut.first);
     first.path = cut.first;
     set_arc(ex, next.op, next.mode, cut.second, {});

@@ -37,7 +37,7 @@ struct CornerRequest {
 
 /// The compensation in force when a block was read.
 struct CompensationMode {
-  bool asked = false;  ///< G41 or G42 is in force
+  bool asked = false;                  ///< G41 or G42 is in force
   bool wanted = false;                 ///< G41 or G42 with an offset number
   double radius = 0;                   ///< signed [mm]: > 0 left of the path
   comp::Point tip;                     ///< from the nose centre to the imaginary tip [mm]
@@ -60,7 +60,7 @@ class Pipeline {
   void clear();
 
   // ---- what handlers say about the block being carried out
-  void activate(const AxisVector& machine_position);
+  void activate(const AxisVector& machine_position, const AxisVector& work_position);
   void ask_corner(const CornerRequest& request) { request_ = request; }
   bool line_is_open() const { return held_corner_ && held_.request.open; }
   double open_angle_deg() const { return held_.request.angle_deg; }
@@ -95,6 +95,7 @@ class Pipeline {
     bool zero_move = false;   ///< a move in the plane by nothing
     bool lifted = false;      ///< runs without the vector
     bool free_start = false;  ///< starts at a vector that is not its own: not checked
+    bool after_gap = false;   ///< the block before it was left out because of interference
   };
   struct Corner39 {
     bool asked = false, has_direction = false;
@@ -110,7 +111,14 @@ class Pipeline {
   void quiet_block(Executor& ex);
   void follow(Executor& ex, Entry&& entry);
   void leave(Executor& ex, Entry&& entry);
-  bool close_last(Executor& ex, comp::Vectors end);
+  enum class Closed : std::uint8_t { good, stopped, left_out };
+  /// @param next the motion behind the corner; nullptr: none is known
+  Closed close_last(Executor& ex, comp::Vectors end, const Entry* next);
+  Closed leave_out(Executor& ex, const Entry& next);
+  // type C (pipeline_in_place.cpp)
+  bool in_place(const Executor& ex) const;
+  void step_onto_vector(Executor& ex, const Entry& entry);
+  void step_off_vector(Executor& ex);
   void release_previous(Executor& ex);
   void settle_here(Executor& ex);
   void abandon(Executor& ex);
@@ -154,6 +162,12 @@ class Pipeline {
   CompensationMode kept_mode_;
   int quiet_blocks_ = 0;
   bool touched_ = false;
+
+  // type C: G41/G42 and G40 in blocks without a move
+  bool written_here_ = false;  ///< G40, G41 or G42 stands in this block
+  bool starts_in_place_ = false;
+  AxisVector passed_machine_{}, passed_work_{};  ///< programmed end of the last motion
+  Operation passed_;                             ///< a copy of it
 };
 
 /// @return nullptr when it is no motion.

@@ -65,6 +65,7 @@ comp::OffsetRules Pipeline::offset_rules(const Executor& ex) const {
 
 void Pipeline::written(int side, bool same_as_before) {
   again_ = same_as_before && side != 0;
+  written_here_ = true;
   side_ = side;
 }
 
@@ -93,6 +94,16 @@ void Pipeline::compensate(Executor& ex, Entry&& entry) {
     }
     return follow(ex, std::move(entry));
   }
+  struct Passed {  // whichever way this motion goes, it is the last one afterwards
+    Pipeline& pipeline;
+    AxisVector machine, work;
+    ~Passed() {
+      pipeline.passed_machine_ = machine;
+      pipeline.passed_work_ = work;
+    }
+  };
+  const Motion& programmed = *motion_in(entry.op);
+  const Passed passed{*this, programmed.end_machine, programmed.end_work};
   const auto& refused = ex.dialect.compensation;
   if (entry.mode.wanted && refused.threads_refused && std::holds_alternative<Thread>(entry.op)) {
     return raise(ex, AlarmReason::compensation_refused, motion_in(entry.op)->at, 0, {});
@@ -118,6 +129,7 @@ void Pipeline::compensate(Executor& ex, Entry&& entry) {
   if (!entry.mode.wanted) return on_ ? leave(ex, std::move(entry)) : send(ex, std::move(entry.op));
 
   const double r = entry.mode.radius;
+  if (!on_ && std::exchange(starts_in_place_, false)) step_onto_vector(ex, entry);
   if (!on_) {
     if (is_arc(entry.op)) {
       return raise(ex, AlarmReason::compensation_start_arc, motion_in(entry.op)->at, 0, {});
@@ -179,7 +191,15 @@ void Pipeline::compensate(Executor& ex, Entry&& entry) {
     v.add({});
     v.add(v.at[v.count - 2]);
   }
-  if (!close_last(ex, v)) return;
+  switch (close_last(ex, v, &entry)) {
+    case Closed::stopped:
+      return;
+    case Closed::left_out:
+      entry.after_gap = true;
+      break;
+    case Closed::good:
+      break;
+  }
   last_ = std::move(entry);
   has_last_ = true;
 }
@@ -204,7 +224,7 @@ void Pipeline::leave(Executor& ex, Entry&& entry) {
     const double r = last_.mode.radius;
     const Vectors v = last_.role == Role::start ? comp::single(comp::normal_at_end(last_.path, r))
                                                 : comp::cancel(last_.path, entry.path, r, rules);
-    if (!close_last(ex, v)) return;
+    if (close_last(ex, v, nullptr) == Closed::stopped) return;
     last_ = entry;  // its feed is that of the corner's moves
     has_last_ = true;
     release_previous(ex);
@@ -215,15 +235,22 @@ void Pipeline::leave(Executor& ex, Entry&& entry) {
 }
 
 // The end of `last_` is known now: it is checked, the one before it goes out, and it becomes `previous_`.
-bool Pipeline::close_last(Executor& ex, Vectors end) {
+Pipeline::Closed Pipeline::close_last(Executor& ex, Vectors end, const Entry* next) {
   const auto& rules = ex.dialect.compensation;
   const bool checked = last_.role == Role::body && !last_.free_start &&
                        (rules.check_parameter.empty() || ex.data.parameter(rules.check_parameter, 1) != 0);
   if (checked) {
     bool straight = false;
     if (comp::settle(last_.path, corner_, end, last_.mode.radius, straight) == comp::Between::reversed) {
-      raise(ex, AlarmReason::compensation_interference, motion_in(last_.op)->at, 0, {});
-      return false;
+      const SourcePosition& at = motion_in(last_.op)->at;
+      if (last_.after_gap) {
+        raise(ex, AlarmReason::compensation_again, at, 0, {});
+      } else if (next != nullptr && ex.data.bit(rules.avoid_parameter)) {
+        return leave_out(ex, *next);
+      } else {
+        raise(ex, AlarmReason::compensation_interference, at, 0, {});
+      }
+      return Closed::stopped;
     }
     if (straight) {
       last_.op = motion_along(ex, *motion_in(last_.op), last_.mode, last_.path.to,
@@ -238,7 +265,7 @@ bool Pipeline::close_last(Executor& ex, Vectors end) {
   has_last_ = false;
   corner_ = end;
   between_.swap(after_);
-  return true;
+  return Closed::good;
 }
 
 // `previous_` with the moves of its corner and what follows it. The corner belongs to the block after it: its
@@ -246,7 +273,8 @@ bool Pipeline::close_last(Executor& ex, Vectors end) {
 void Pipeline::release_previous(Executor& ex) {
   if (!has_previous_) return;
   const MotionFeed speed = feed_of(has_last_ ? last_.op : previous_.op);
-  const Motion like = *motion_in(previous_.op);
+  Motion like = *motion_in(previous_.op);
+  if (in_place(ex)) passed_ = previous_.op;
   const CompensationMode mode = previous_.mode;
   const comp::Segment path = previous_.path;
 
@@ -270,6 +298,7 @@ void Pipeline::release_previous(Executor& ex) {
       move.from = move.from + tip;
       move.to = move.to + tip;
     }
+    if (ex.data.bit(ex.dialect.compensation.stop_parameter)) ++like.at.part;
     send(ex, motion_along(ex, like, mode, to, move, speed));
   }
   kept_ = corner_.last();
@@ -281,7 +310,8 @@ void Pipeline::release_previous(Executor& ex) {
 // No more is known of what follows: the vector normal to the last motion.
 void Pipeline::settle_here(Executor& ex) {
   if (has_last_) {
-    if (!close_last(ex, comp::single(comp::normal_at_end(last_.path, last_.mode.radius)))) return;
+    const Vectors normal = comp::single(comp::normal_at_end(last_.path, last_.mode.radius));
+    if (close_last(ex, normal, nullptr) == Closed::stopped) return;
   }
   release_previous(ex);
   touched_ = false;
@@ -290,7 +320,11 @@ void Pipeline::settle_here(Executor& ex) {
 void Pipeline::quiet_block(Executor& ex) {
   const auto& rules = ex.dialect.compensation;
   if (std::exchange(touch_, false)) touched_ = has_last_;
-  if (!on_) return;
+  if (!on_) {
+    if (written_here_) starts_in_place_ = side_ != 0 && in_place(ex);
+    return;
+  }
+  if (written_here_ && side_ == 0 && in_place(ex)) return step_off_vector(ex);
   ++quiet_blocks_;
   if (rules.most_quiet_blocks > 0 && quiet_blocks_ >= rules.most_quiet_blocks) {
     return raise(ex, AlarmReason::compensation_quiet_blocks, ex.at, 0, {});

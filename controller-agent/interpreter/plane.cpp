@@ -66,6 +66,7 @@ double Executor::dwell_units_a_second() const {
 
 // Diameter programming and the kind of an axis come from the machine's description; a parameter overrules it.
 void Executor::take_parameters() {
+  read_look_ahead_parameters();
   const auto& rules = dialect.modes;
   any_rolls_over = any_on_circle = false;
   for (ProgramAxis& axis : axes) {
@@ -75,11 +76,14 @@ void Executor::take_parameters() {
       return found == data.parameters.end() ? std::nullopt : std::optional(found->second != 0);
     };
     if (const auto diameter = set(rules.diameter_parameter)) axis.diameter = *diameter ? 0.5 : 1;
+    if (axis.name == 'X' && data.parameters.contains(rules.x_radius_parameter))
+      axis.diameter = data.bit(rules.x_radius_parameter) ? 1 : 0.5;
     if (const auto rotary = set(rules.rotary_parameter)) axis.rotary = *rotary;
     axis.on_circle = axis.rotary && set(rules.imaginary_circle_parameter).value_or(false);
     axis.circle_mm = data.parameter(std::string(rules.imaginary_radius_parameter) + '/' + axis.name);
     any_on_circle = any_on_circle || axis.on_circle;
-    axis.rolls_over = axis.rotary && set(rules.roll_over_parameter).value_or(false);
+    axis.rolls_over = axis.rotary && set(rules.roll_over_parameter).value_or(false) &&
+                      !set(rules.rotary_linear_parameter).value_or(false);
     axis.by_sign = set(rules.roll_over_by_sign_parameter).value_or(false);
     any_rolls_over = any_rolls_over || axis.rolls_over;
     if (axis.rolls_over)
@@ -87,6 +91,13 @@ void Executor::take_parameters() {
           std::llround(data.parameter(std::string(rules.turn_parameter) + '/' + axis.name, 360) * 1e9);
   }
   set_switches(switches);
+  if (const auto inch = data.parameters.find(rules.inch_parameter);  // a setting: G20 and G21 come after it
+      inch != data.parameters.end() && inch->second != inch_setting) {
+    inch_setting = inch->second;
+    modal.inch = inch_setting != 0;
+    for (const GCode& row : table->rows())
+      if (row.tenths == (modal.inch ? 200 : 210) && row.group != 0) modal.g[row.group] = row.tenths;
+  }
   set_units(modal.inch);
   update_zeros();
   linear_rapid = data.bit(dialect.linear_rapid_parameter);

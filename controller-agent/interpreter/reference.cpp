@@ -12,8 +12,12 @@ double reference_point(const Executor& ex, std::size_t axis, std::int64_t which)
   const auto& rules = ex.dialect.modes;
   std::string parameter(which == 1 ? rules.first_reference_parameter
                                    : rules.reference_parameters[static_cast<std::size_t>(which - 2)]);
-  parameter += '/';
-  parameter += ex.axes[axis].name;
+  if (const auto own = parameter.find(std::string(1, ex.axes[axis].name) + ':'); own != parameter.npos) {
+    parameter = parameter.substr(own + 2, parameter.find(' ', own) - own - 2);
+  } else {
+    parameter += '/';
+    parameter += ex.axes[axis].name;
+  }
   const auto set = ex.data.parameters.find(parameter);
   return set == ex.data.parameters.end() ? ex.machine.axes[axis].reference_mm
                                          : ex.page_to_slide(axis, set->second);
@@ -53,7 +57,14 @@ bool conversion_allows(Executor& ex) {
   return true;
 }
 
+// Not between the holes of a cycle (0i-D PS0044).
+bool cycle_allows(Executor& ex) {
+  return ex.cycle.hole.code == nullptr || !ex.dialect.reference_refused_in_cycle ||
+         ex.alarm(AlarmReason::reference_in_cycle, ex.code_column, std::string(ex.code->name));
+}
+
 bool to_reference(Executor& ex, std::int64_t which) {
+  if (!cycle_allows(ex)) return false;
   if (!conversion_allows(ex)) return false;
   std::uint32_t moved = 0;
   if (!to_intermediate(ex, moved)) return false;
@@ -64,8 +75,7 @@ bool to_reference(Executor& ex, std::int64_t which) {
     if ((moved >> i & 1u) == 0) continue;
     target[i] = reference_point(ex, i, which);
     if (ex.dialect.reference_cancels_offset && ex.axes[i].zero_tool != 0) {
-      ex.axes[i].zero_tool = 0;
-      ex.update_zero(i);
+      tool_offset::drop(ex, i);
     }
   }
   return ex.emit_rapid_to_machine(target, moved, true);
@@ -92,6 +102,7 @@ bool reference_return_n(Executor& ex) {
 
 // G29: by the intermediate point of the last G28/G30 to the block's point.
 bool reference_from(Executor& ex) {
+  if (!cycle_allows(ex)) return false;
   std::uint32_t named = 0;
   const AxisVector now = ex.machine_now;
   AxisVector middle = now;
@@ -119,6 +130,7 @@ bool reference_from(Executor& ex) {
 
 // G27: rapid to the point, then every axis named must stand at its reference point.
 bool reference_check(Executor& ex) {
+  if (!cycle_allows(ex)) return false;
   std::uint32_t moved = 0;
   if (!ex.take_targets(moved)) return false;
   if (moved != 0) ex.fill_motion(ex.emit<Rapid>(), moved);

@@ -52,7 +52,7 @@ Pull Executor::run_through() {
     const bool alarmed = finished && std::holds_alternative<Alarm>(queue.empty() ? thrown : queue.back());
     queue.clear();
     queue_head = 0;
-    if (macros != nullptr && ++macros->steps % 1'024 == 0 && macros->environment->wants_stop()) {
+    if (++steps % 1'024 == 0 && environment->wants_stop()) {
       finished = true;
       restarting = false;
       leave_program();

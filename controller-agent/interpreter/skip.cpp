@@ -31,8 +31,9 @@ constexpr std::uint16_t kSkip = 1;  // the SKIP input itself
 
 // P98: torque limit, P99: torque limit or SKIP, P1…P4: by parameter.
 bool signals_of(Executor& ex, std::uint16_t& signals, std::int64_t& step) {
+  const std::uint16_t skip = ex.data.bit(ex.dialect.modes.skip_off_parameter) ? 0 : kSkip;
   if (!ex.block.has('P')) {
-    signals = kSkip;
+    signals = skip;
     return true;
   }
   const std::int64_t p = ex.whole('P', AlarmReason::skip_number);
@@ -41,7 +42,7 @@ bool signals_of(Executor& ex, std::uint16_t& signals, std::int64_t& step) {
   if (p == 98 || p == 99) {
     if (std::popcount(ex.block.words & ex.axis_letters) != 1)
       return ex.alarm(AlarmReason::skip_format, column, "P" + std::to_string(p));
-    signals = static_cast<std::uint16_t>(kSkipTorque | (p == 99 ? kSkip : 0u));
+    signals = static_cast<std::uint16_t>(kSkipTorque | (p == 99 ? skip : 0u));
     return true;
   }
   if (p == 90) return ex.alarm(AlarmReason::skip_format, column, "P90");
@@ -84,6 +85,7 @@ bool skip(Executor& ex) {
   move.unit = unit;
   move.exact_stop = true;
   move.skip_signals = signals;
+  move.skip_level = !ex.data.bit(rules.skip_low_parameter);
   move.skip_overridable = unit == FeedUnit::mm_per_revolution || ex.data.bit(rules.skip_override_parameter);
   ex.skip.machine = ex.machine_now;
   ex.skip.triggered = false;

@@ -97,6 +97,13 @@ bool surface_speed_on(Executor& ex) {
       return ex.alarm(AlarmReason::surface_axis, column, "P" + std::to_string(p));
     ex.surface_axis = static_cast<int>(p) - 1;  // -1: X
   }
+  if (!rules.surface_letter_parameter.empty()) {
+    constexpr std::string_view kLetters = "XZY";
+    const auto which = static_cast<std::size_t>(std::max(0.0, ex.data.parameter(rules.surface_letter_parameter)));
+    const auto named = which < kLetters.size() ? ex.axis_named(kLetters[which]) : std::nullopt;
+    if (!named) return ex.alarm(AlarmReason::surface_axis, ex.code_column, std::string(rules.surface_letter_parameter));
+    ex.surface_axis = which == 0 ? -1 : static_cast<int>(*named);
+  }
   ex.constant_surface_speed = true;
   ex.modal.spindle_speed = ex.surface_speed / (ex.modal.inch ? 0.3048 : 1);
   return true;

@@ -127,7 +127,7 @@ bool Executor::surface_allows() {
   if (!polar_mode && moves &&
       motion_code->tenths != 10) {  // arcs on a cylinder: by R only, in a plane with the axis
     const std::uint32_t centre = block.words & program::letters("IJK");
-    if (centre != 0) {
+    if (centre != 0 && !dialect.modes.free_surfaces) {
       const char letter = static_cast<char>('A' + std::countr_zero(centre));
       return alarm(reason, block[letter].column, std::string(1, letter));
     }
@@ -191,7 +191,8 @@ bool cylinder(Executor& ex) {
     ex.leave_surface();
     return true;
   }
-  if (on || ex.motion_code->tenths == 0 || !ex.compensation_is_off())
+  const bool by_rapid = ex.motion_code->tenths == 0 && !ex.dialect.modes.free_surfaces;
+  if (on || by_rapid || !ex.compensation_is_off())
     return ex.alarm(AlarmReason::cylinder_code, ex.code_column, std::string(ex.code->name));
   ProgramAxis& axis = ex.axes[index];
   if (!axis.rotary || radius < 0) return ex.alarm(AlarmReason::cylinder_axis, word.column, name);
@@ -199,7 +200,8 @@ bool cylinder(Executor& ex) {
   wanted.kind = SurfaceKind::cylinder;
   wanted.rotary = wanted.linear = index;
   wanted.mm_per_degree = radius * kDegree;
-  ex.enter_surface(wanted, wanted.mm_per_degree);
+  // The axis is written in degrees (0i-D); as a length on the cylinder by the K2000TC (its example L3598).
+  ex.enter_surface(wanted, ex.dialect.modes.free_surfaces ? ex.unit_mm : wanted.mm_per_degree);
   for (double* zero :
        {&axis.zero_external, &axis.zero_work, &axis.zero_shift, &axis.zero_local, &axis.zero_tool})
     *zero *= wanted.mm_per_degree;
@@ -209,6 +211,8 @@ bool cylinder(Executor& ex) {
   ex.surface.from = ex.machine_now;
   return true;
 }
+
+bool enter_polar(Executor& ex, int linear, int rotary);
 
 // G12.1: the linear axis and the rotary axis span a plane; the rotary axis' words are millimetres in it.
 bool polar_interpolation_on(Executor& ex) {
@@ -228,8 +232,14 @@ bool polar_interpolation_on(Executor& ex) {
     const auto named = ex.axis_named(otherwise);
     return named ? static_cast<int>(*named) : -1;
   };
-  const int linear = axis_by(rules.polar_linear_parameter, 'X'),
-            rotary = axis_by(rules.polar_rotary_parameter, 'C');
+  return enter_polar(ex, axis_by(rules.polar_linear_parameter, 'X'),
+                     axis_by(rules.polar_rotary_parameter, 'C'));
+}
+
+// The mode on these axes; -1: the machine has none.
+bool enter_polar(Executor& ex, int linear, int rotary) {
+  const std::uint32_t column = ex.code_column;
+  const std::string name(ex.code->name);
   if (linear < 0 || rotary < 0 || linear == rotary || ex.axes[static_cast<std::size_t>(linear)].rotary ||
       !ex.axes[static_cast<std::size_t>(rotary)].rotary)
     return ex.alarm(AlarmReason::polar_axis, column, name);

@@ -140,10 +140,17 @@ AxisVector standing_at(const Executor& ex) {
   return at;
 }
 
+// A program that broke into one of these modes must not begin another (0i-D 14.9 L21000).
+bool may_begin(Executor& ex) {
+  return !(ex.interrupting() && ex.transform.active()) ||
+         ex.alarm(AlarmReason::interrupted_transform, ex.code_column, std::string(ex.code->name));
+}
+
 }  // namespace
 
 // G51.1 IP: mirror at these coordinates.
 bool mirror_on(Executor& ex) {
+  if (!may_begin(ex)) return false;
   if (ex.transform.rotated || ex.transform.scaled != 0)
     return ex.alarm(AlarmReason::g_not_now, ex.code_column, std::string(ex.code->name));
   const AxisVector standing = standing_at(ex);
@@ -174,6 +181,7 @@ bool mirror_off(Executor& ex) {
 
 // G51 X Y Z P, or I J K for each axis.
 bool scaling_on(Executor& ex) {
+  if (!may_begin(ex)) return false;
   const auto& rules = ex.dialect.modes;
   if (ex.transform.rotated || !ex.compensation_is_off())
     return ex.alarm(AlarmReason::g_not_now, ex.code_column, std::string(ex.code->name));
@@ -196,6 +204,9 @@ bool scaling_on(Executor& ex) {
     const char name = ex.axes[i].name;
     const std::size_t basic = std::string_view("XYZ").find(name);
     if (ex.axes[i].rotary) continue;
+    if (!rules.scale_enable_parameter.empty() &&
+        ex.data.parameter(std::string(rules.scale_enable_parameter) + '/' + name, 1) == 0)
+      continue;
     double factor = 1;
     std::uint32_t column = ex.code_column;
     if (per_axis) {
@@ -231,6 +242,7 @@ bool scaling_off(Executor& ex) {
 
 // G68 α β R in the plane of G17/G18/G19.
 bool rotation_on(Executor& ex) {
+  if (!may_begin(ex)) return false;
   const auto& rules = ex.dialect.modes;
   const auto [first, second] = ex.plane_axes();
   if (first < 0 || second < 0) return ex.alarm(AlarmReason::rotation_plane, ex.code_column, "G68");
@@ -239,7 +251,7 @@ bool rotation_on(Executor& ex) {
   double angle = 0;
   if (ex.block.has('R')) {
     const program::Word& word = ex.block['R'];
-    angle = static_cast<double>(ex.nano(word, program::kNano / 1000)) / 1e9;
+    angle = static_cast<double>(ex.nano(word, program::kNano / (ex.data.bit(rules.fine_angle_parameter) ? 100'000 : 1'000))) / 1e9;
     if (std::fabs(angle) > 360) return ex.alarm(AlarmReason::value_range, word.column, "R");
     if (ex.incremental && ex.data.bit(rules.rotation_incremental_parameter) && ex.transform.rotated)
       angle +=

@@ -16,7 +16,8 @@ struct DripFeed::Impl {
   mutable std::mutex mutex;
   std::vector<char> ring;
   std::uint64_t received = 0, consumed = 0, granted_end = 0;
-  wire::Sha256 digest;
+  wire::Sha256 digest;  ///< of `received` bytes; the link's thread only
+  bool left = false;      ///< the interpreter has what it needs
   bool complete = false;  ///< everything is here and proven
   Outcome outcome = Outcome::running;
   std::string reason;
@@ -45,6 +46,8 @@ class DripSource final : public program::Source {
       // A program ends with M30; what comes behind it (the final %) has arrived but is never read.
       if (impl_.complete) {
         impl_.end(DripFeed::Outcome::drained, "");
+      } else if (impl_.outcome == DripFeed::Outcome::running && impl_.received == impl_.announced.bytes) {
+        impl_.left = true;  // all is here; the proof of it is on its way
       } else {
         impl_.end(DripFeed::Outcome::closed, "closed_by_machine");
       }
@@ -113,19 +116,27 @@ const DripFeed::Announced& DripFeed::announced() const {
 }
 
 bool DripFeed::append(std::string_view bytes) {
-  const std::scoped_lock lock(impl_->mutex);
-  if (impl_->outcome != Outcome::running) return true;  // on its way when the feed ended
-  if (impl_->complete || bytes.size() > impl_->granted_end - impl_->received) {
-    impl_->end(Outcome::failed, "more_than_granted");
-    return false;
+  Impl& i = *impl_;
+  std::uint64_t received = 0;
+  {
+    const std::scoped_lock lock(i.mutex);
+    if (i.outcome != Outcome::running) return true;  // on its way when the feed ended
+    if (i.complete || bytes.size() > i.granted_end - i.received) {
+      i.end(Outcome::failed, "more_than_granted");
+      return false;
+    }
+    received = i.received;
   }
-  const auto size = impl_->ring.size();
-  const auto at = static_cast<std::size_t>(impl_->received % size);
+  // Copied and hashed without the lock, so that the interpreter never waits for a hash: the room behind
+  // `received` is nobody else's until the count says so.
+  const auto size = i.ring.size();
+  const auto at = static_cast<std::size_t>(received % size);
   const std::size_t first = std::min(bytes.size(), size - at);
-  std::memcpy(impl_->ring.data() + at, bytes.data(), first);
-  std::memcpy(impl_->ring.data(), bytes.data() + first, bytes.size() - first);
-  impl_->digest.update(bytes);
-  impl_->received += bytes.size();
+  std::memcpy(i.ring.data() + at, bytes.data(), first);
+  std::memcpy(i.ring.data(), bytes.data() + first, bytes.size() - first);
+  i.digest.update(bytes);
+  const std::scoped_lock lock(i.mutex);
+  i.received += bytes.size();
   return true;
 }
 
@@ -139,6 +150,7 @@ bool DripFeed::finish(std::uint64_t bytes, const std::string& sha256) {
     return false;
   }
   impl_->complete = true;
+  if (impl_->left) impl_->end(Outcome::drained, "");
   return true;
 }
 

@@ -41,6 +41,8 @@ struct Link::Impl : std::enable_shared_from_this<Impl> {
                             {},
                             wire::random_hex(8),
                             false,
+                            false,
+                            {},
                             {}}),
         pause(context.get_executor()) {}
 
@@ -97,6 +99,17 @@ void Link::Impl::start() {
       if (impl.session) impl.session->drips_changed();
     });
   };
+  parts->wake_requests = [weak] {
+    if (const auto self = weak.lock())
+      self->post([](Impl& impl) {
+        if (impl.session) impl.session->requests_changed();
+      });
+  };
+  // M198 gets its programs from the server, and from nowhere else: a resident program of the same number may be another.
+  parts->memory.on_external([weak](std::uint32_t number) -> std::unique_ptr<program::Source> {
+    const auto self = weak.lock();
+    return self ? self->parts->requests.open("O" + std::to_string(number)) : nullptr;
+  });
   parts->spool.on_commit([weak] {
     if (const auto self = weak.lock())
       self->post([](Impl& impl) {
@@ -127,7 +140,7 @@ asio::awaitable<void> Link::Impl::run() {
     if (connection) connection->close("ended");
     connection.reset();
     session.reset();
-    if (parts->stopped) break;
+    if (parts->stopped || parts->leaving) break;
     if (!failure.empty()) show(false, failure);
     // Half of the wait is chance, so that a hall of machines does not come back in one instant.
     const LinkOptions& options = parts->options;
@@ -237,10 +250,29 @@ void Link::start() {
   impl_->start();
 }
 
+bool Link::request(const std::string& name) {
+  return impl_->parts->requests.ask(name);
+}
+
+bool Link::say_good_bye() {
+  const auto& connection = impl_->connection;
+  if (!connection || !connection->open() || !status().connected) return false;
+  impl_->parts->leaving = true;
+  connection->send(Type::refuse, 0, wire::encode(wire::Refuse{"shutdown", "", {wire::kVersion}}));
+  connection->finish("shutdown");
+  return true;
+}
+
+bool Link::connection_open() const {
+  return impl_->connection != nullptr;
+}
+
 void Link::stop() {
   impl_->parts->stopped = true;
   impl_->parts->spool.on_commit({});
   impl_->parts->memory.on_change({});
+  impl_->parts->memory.on_external({});
+  impl_->parts->requests.link_is_lost();
   if (impl_->connection) impl_->connection->close("stopped");
   impl_->pause.notify();
 }

@@ -77,6 +77,15 @@ class LinkHost {
   virtual operation::CommandResult open_stream(const std::string& name, const std::string& sha256,
                                                std::unique_ptr<program::Source> stream,
                                                std::uint64_t total_bytes) = 0;
+  /// The server's answer to Link::request(); when it accepts, open_stream() comes with this program, before or after.
+  virtual void request_answered(const std::string& name, const operation::CommandResult& answer) = 0;
+  /// Offsets, parameters and variables written from the server; `done` is called on this thread with the
+  /// data_result (protocol/wire/README.md, without its id) when it is on the disk and read back, or refused.
+  virtual void write_data(const nlohmann::json& request, std::function<void(nlohmann::json)> done);
+  /// The body of a data_report as it is on the disk; null: this host keeps no data.
+  virtual nlohmann::json data_report();
+  /// Events were committed to the spool.
+  virtual void events_committed() {}
   /// The connection stands.
   virtual void link_up(const ServerSettings& settings) = 0;
   /// The connection is lost: remote arming ends here.
@@ -93,6 +102,14 @@ class Link {
   Link& operator=(const Link&) = delete;
 
   void start();
+  /// DNC mode: asks the server to feed the released program of this name; LinkHost::request_answered() has its word.
+  /// Any thread. @return false when there is no link.
+  bool request(const std::string& name);
+  /// Tells the server that this agent is being switched off ("shutdown"), which is not a lost link. The io_context must
+  /// run on for a moment; stop() comes next. @return false when there is nobody to tell.
+  bool say_good_bye();
+  /// Is the good-bye still on its way?
+  bool connection_open() const;
   /// Ends the connection; no call of the host afterwards. On the io_context's thread, or when it does not
   /// run.
   void stop();

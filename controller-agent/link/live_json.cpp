@@ -30,10 +30,13 @@ constexpr const char* kActions[] = {"cycle_start",
                                     "set_dry_run",
                                     "set_machine_lock",
                                     "set_parts_required",
-                                    "reset_parts"};
+                                    "reset_parts",
+                                    "set_axis_lock",
+                                    "set_manual_absolute",
+                                    "tap_retract"};
 static_assert(std::size(kModes) == static_cast<std::size_t>(Mode::remote) + 1);
 static_assert(std::size(kStates) == static_cast<std::size_t>(State::emergency_stop) + 1);
-static_assert(std::size(kActions) == static_cast<std::size_t>(Action::reset_parts) + 1);
+static_assert(std::size(kActions) == static_cast<std::size_t>(Action::tap_retract) + 1);
 
 /// JSON has no infinity: what is not a number is unknown.
 json number(double value) {
@@ -99,14 +102,25 @@ struct ToKindAndBody {
   }
   std::pair<const char*, json> operator()(const RunStarted& e) const {
     return {"run_started",
-            {{"run", e.run}, {"program", shown(e.program)}, {"sha256", text_or_null(e.revision_hash)}}};
+            {{"run", e.run},
+             {"program", shown(e.program)},
+             {"sha256", text_or_null(e.revision_hash)},
+             {"total", e.total},
+             {"by", shown(e.by)}}};
   }
   std::pair<const char*, json> operator()(const RunEnded& e) const {
     return {"run_ended",
             {{"run", e.run},
              {"outcome", shown(e.outcome)},
              {"run_s", number(e.run_s)},
-             {"cutting_s", number(e.cutting_s)}}};
+             {"cutting_s", number(e.cutting_s)},
+             {"total", e.total},
+             {"holds", e.record.holds},
+             {"alarms", e.record.alarms},
+             {"overrides",
+              {{"feed", {percent(e.record.feed_least), percent(e.record.feed_most)}},
+               {"rapid", {percent(e.record.rapid_least), percent(e.record.rapid_most)}},
+               {"spindle", {percent(e.record.spindle_least), percent(e.record.spindle_most)}}}}}};
   }
   std::pair<const char*, json> operator()(const StateChanged& e) const {
     return {"state", {{"state", state_name(e.state)}, {"mode", mode_name(e.mode)}}};
@@ -116,7 +130,9 @@ struct ToKindAndBody {
             {{"what", shown(e.change.what)},
              {"before", number(e.change.before)},
              {"after", number(e.change.after)},
-             {"origin", shown(e.origin)}}};
+             {"origin", shown(e.origin)},
+             {"by", shown(e.by)},
+             {"request", e.request}}};
   }
 };
 

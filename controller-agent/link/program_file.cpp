@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <charconv>
 #include <vector>
 
 #include "protocol/wire/digest.hpp"
@@ -39,10 +38,6 @@ class FileSource final : public program::Source {
   File file_;
   std::uint64_t offset_ = 0;
 };
-
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
 
 }  // namespace
 
@@ -106,40 +101,6 @@ std::optional<std::string> hash_file(const std::filesystem::path& path) {
     if (got == 0) return digest.hex();
     digest.update({buffer.data(), static_cast<std::size_t>(got)});
   }
-}
-
-std::optional<std::uint32_t> number_in_name(std::string_view name) {
-  if (name.size() < 2 || (name[0] != 'O' && name[0] != 'o')) return std::nullopt;
-  std::uint32_t number = 0;
-  const auto [end, error] = std::from_chars(name.data() + 1, name.data() + name.size(), number);
-  if (error != std::errc{}) return std::nullopt;
-  const std::string_view rest(end, static_cast<std::size_t>(name.data() + name.size() - end));
-  // "O1001" or "O1001.nc"; "O1001B" is somebody else's name.
-  return rest.empty() || (rest[0] == '.' && rest.size() <= 5) ? std::optional(number) : std::nullopt;
-}
-
-std::optional<std::uint32_t> number_in_text(std::string_view head) {
-  bool in_comment = false;
-  for (std::size_t at = 0; at < head.size(); ++at) {
-    const char c = head[at];
-    if (in_comment) {
-      in_comment = c != ')';
-    } else if (c == '(') {
-      in_comment = true;
-    } else if (c == '%') {
-      // Whatever stands on the line of the % is a label for people, not program.
-      while (at + 1 < head.size() && head[at + 1] != '\n' && head[at + 1] != '\r') ++at;
-    } else if (c == 'O' || c == 'o' || c == ':') {
-      std::uint32_t number = 0;
-      const char* first = head.data() + at + 1;
-      const auto [end, error] = std::from_chars(first, head.data() + head.size(), number);
-      if (error == std::errc{} && end != first && is_digit(*first)) return number;
-      return std::nullopt;
-    } else if (c != ' ' && c != '\t' && c != '\r' && c != '\n' && c != '\0') {
-      return std::nullopt;
-    }
-  }
-  return std::nullopt;
 }
 
 std::unique_ptr<program::Source> source_from_file(File file) {

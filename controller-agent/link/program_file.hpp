@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "link/program_memory.hpp"
+#include "link/memory_result.hpp"
 #include "program/source.hpp"
 
 namespace headstock::link {
@@ -47,10 +47,6 @@ MemoryResult rename_durably(const File& file, const std::filesystem::path& from,
 MemoryResult replace_file(const std::filesystem::path& path, std::string_view text);
 /// @return nullopt when the file cannot be read.
 std::optional<std::string> hash_file(const std::filesystem::path& path);
-/// O number of a name: "O1001", "o01001.nc" → 1001.
-std::optional<std::uint32_t> number_in_name(std::string_view name);
-/// O number at the head of a text (after %, blank lines and comments).
-std::optional<std::uint32_t> number_in_text(std::string_view head);
 std::unique_ptr<program::Source> source_from_file(File file);
 
 }  // namespace headstock::link

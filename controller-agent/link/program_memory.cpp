@@ -14,6 +14,7 @@
 #include <set>
 
 #include "link/program_file.hpp"
+#include "link/program_name.hpp"
 #include "protocol/wire/digest.hpp"
 
 namespace headstock::link {
@@ -62,6 +63,7 @@ struct ProgramMemory::Impl {
   std::set<std::string> incoming;  ///< hashes of puts that are going on
   std::function<bool(const std::string&)> running;
   std::function<void()> notify;
+  std::function<std::unique_ptr<program::Source>(std::uint32_t)> external;
 
   fs::path index_file() const { return folder / ".index.json"; }
   fs::path incoming_folder() const { return folder / ".incoming"; }
@@ -369,6 +371,20 @@ std::unique_ptr<program::Source> ProgramMemory::open_number(std::uint32_t number
   if (!found) return nullptr;
   File file = open_for_reading(impl_->folder / found->name);
   return file ? source_from_file(std::move(file)) : nullptr;
+}
+
+void ProgramMemory::on_external(std::function<std::unique_ptr<program::Source>(std::uint32_t)> open) {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->external = std::move(open);
+}
+
+std::unique_ptr<program::Source> ProgramMemory::open_external(std::uint32_t number) {
+  std::function<std::unique_ptr<program::Source>(std::uint32_t)> ask;
+  {
+    const std::scoped_lock lock(impl_->mutex);
+    ask = impl_->external;
+  }
+  return ask ? ask(number) : open_number(number);
 }
 
 std::unique_ptr<program::Source> ProgramMemory::open_name(std::string_view name) {

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "link/memory_result.hpp"
 #include "program/source.hpp"
 
 namespace headstock::link {
@@ -26,13 +27,6 @@ struct ResidentProgram {
   std::string sha256;
   std::uint64_t bytes = 0;
   std::int64_t since_ms = 0;  ///< Unix time it became resident
-};
-
-/// Why the memory refused; `reason` is a message key: "bad_name" "memory_full" "bad_hash" "running"
-/// "not_found" "disk_full" "disk_error" "busy". Empty when it did not.
-struct MemoryResult {
-  std::string reason;
-  bool ok() const { return reason.empty(); }
 };
 
 /// A program on its way into the memory.
@@ -84,8 +78,14 @@ class ProgramMemory final : public program::Programs {
   /// O number: the name `O1001` (zeros and ending do not matter), else the first O word at the head of a
   /// program.
   std::unique_ptr<program::Source> open_number(std::uint32_t number) override;
+  /// M198: from the server when there is one (see on_external), else as open_number.
+  std::unique_ptr<program::Source> open_external(std::uint32_t number) override;
   /// Exact name, else without regard to case and to a missing ending `.nc`.
   std::unique_ptr<program::Source> open_name(std::string_view name) override;
+
+  /// Where M198 gets its programs, called on the interpreter's thread; it may answer with nullptr. An empty function
+  /// takes it off.
+  void on_external(std::function<std::unique_ptr<program::Source>(std::uint32_t number)> open);
 
   /// Called after the resident programs changed, on the changing thread. An empty function takes it off.
   void on_change(std::function<void()> notify);

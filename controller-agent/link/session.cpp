@@ -8,6 +8,7 @@
 
 #include "link/live_json.hpp"
 #include "protocol/wire/digest.hpp"
+#include "protocol/wire/expect.hpp"
 
 namespace headstock::link {
 namespace {
@@ -17,8 +18,6 @@ using nlohmann::json;
 using wire::Type;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint64_t kPutWindow = 1u << 20;
-constexpr std::size_t kMaxDrips = 4, kMaxPuts = 8;
 constexpr std::size_t kMaxTrail = 100;
 /// Streams of resumed drip-feeds are numbered by the agent; the server's own numbers of a connection start
 /// at 1.
@@ -90,7 +89,9 @@ asio::awaitable<bool> Session::run() {
   if (!co_await welcomed()) co_return false;
   acknowledged_ = sent_event_ = parts_->spool.acknowledged();
   if (parts_->identity.trying_renewed()) parts_->identity.keep_renewed();
+  parts_->requests.link_is_up();
   send_census();
+  report_data();
   for (const auto& [id, unconfirmed] : parts_->transfers.unconfirmed)
     connection_->send(Type::transfer_result, 0, wire::encode(unconfirmed));
   std::uint32_t resumed = kResumedStreams;
@@ -110,6 +111,7 @@ asio::awaitable<bool> Session::run() {
     handle(frame);
   }
   welcomed_ = false;
+  parts_->requests.link_is_lost();
   puts_.clear();  // the bytes stay on disk for the next attempt
   tick_.notify();
   co_return true;
@@ -122,6 +124,7 @@ asio::awaitable<void> Session::report_loop() {
   while (active()) {
     const auto now = Clock::now();
     sample_trail();
+    report_data();
     if (now >= next_live) {
       send_live();
       next_live = now + std::max(options.live_interval, std::chrono::milliseconds(100));
@@ -135,16 +138,6 @@ asio::awaitable<void> Session::report_loop() {
   }
 }
 
-template <class Message, class Handler>
-void Session::with(const wire::Frame& frame, Handler handler) {
-  Message message;
-  const std::string wrong = wire::decode(frame.body, message);
-  if (wrong.empty())
-    handler(message);
-  else
-    connection_->close("message " + std::to_string(static_cast<int>(frame.type)) + ": " + wrong);
-}
-
 void Session::handle(const wire::Frame& frame) {
   const std::uint32_t stream = frame.stream;
   switch (frame.type) {
@@ -152,58 +145,68 @@ void Session::handle(const wire::Frame& frame) {
       connection_->send(Type::pong, 0, frame.body);
       break;
     case Type::events_ack:
-      with<wire::EventsAck>(frame, [&](const auto& m) {
+      wire::expect<wire::EventsAck>(*connection_, frame, [&](const auto& m) {
         if (m.sequence > sent_event_) return connection_->close("events acknowledged that were never sent");
         parts_->spool.acknowledge(m.sequence);
         acknowledged_ = std::max(acknowledged_, m.sequence);
         if (acknowledged_ < sent_event_)
           sent_event_ = acknowledged_;  // only a part was taken: the rest again
         pump_events();
+        report_data();
       });
       break;
     case Type::command:
-      with<wire::Command>(frame, [&](const auto& m) { on_command(m); });
+      wire::expect<wire::Command>(*connection_, frame, [&](const auto& m) { on_command(m); });
+      break;
+    case Type::data_write:
+      on_data_write(frame);
       break;
     case Type::program_put:
-      with<wire::TransferOpen>(frame, [&](const auto& m) { on_put(stream, m); });
+      wire::expect<wire::TransferOpen>(*connection_, frame, [&](const auto& m) { on_put(stream, m); });
       break;
     case Type::program_get:
-      with<wire::ProgramGet>(frame, [&](const auto& m) {
+      wire::expect<wire::ProgramGet>(*connection_, frame, [&](const auto& m) {
         asio::co_spawn(
             connection_->executor(),
             [self = shared_from_this(), stream, m] { return self->send_program(stream, m); }, asio::detached);
       });
       break;
     case Type::program_delete:
-      with<wire::Command>(frame, [&](const auto& m) {
+      wire::expect<wire::Command>(*connection_, frame, [&](const auto& m) {
         const MemoryResult removed = parts_->memory.remove(m.name);
         answer(m.id, removed.ok(), removed.reason);
       });
       break;
     case Type::drip_open:
-      with<wire::TransferOpen>(frame, [&](const auto& m) { on_drip_open(stream, m); });
+      wire::expect<wire::TransferOpen>(*connection_, frame, [&](const auto& m) { on_drip_open(stream, m); });
       break;
     case Type::data:
       on_data(frame);
       break;
     case Type::data_end:
-      with<wire::DataEnd>(frame, [&](const auto& m) { on_data_end(stream, m); });
+      wire::expect<wire::DataEnd>(*connection_, frame, [&](const auto& m) { on_data_end(stream, m); });
       break;
     case Type::transfer_cancel:
-      with<wire::TransferCancel>(frame, [&](const auto& m) { on_cancel(m); });
+      wire::expect<wire::TransferCancel>(*connection_, frame, [&](const auto& m) { on_cancel(m); });
       break;
     case Type::transfer_closed:
-      with<wire::TransferCancel>(frame,
+      wire::expect<wire::TransferCancel>(*connection_, frame,
                                  [&](const auto& m) { parts_->transfers.unconfirmed.erase(m.transfer); });
       break;
+    case Type::request_answer:
+      wire::expect<wire::CommandResult>(*connection_, frame, [&](const auto& m) {
+        if (const auto name = parts_->requests.answered(m.id, m.accepted, m.reason))
+          parts_->host.request_answered(*name, {m.accepted, m.reason});
+      });
+      break;
     case Type::enrolled:
-      with<wire::Enrolled>(frame, [&](const auto& m) { on_renewed(m); });
+      wire::expect<wire::Enrolled>(*connection_, frame, [&](const auto& m) { on_renewed(m); });
       break;
     case Type::certificate_current:
       parts_->identity.keep_renewed();
       break;
     case Type::refuse:
-      with<wire::Refuse>(frame, [&](const auto& m) {
+      wire::expect<wire::Refuse>(*connection_, frame, [&](const auto& m) {
         refusal_ = m.reason;
         connection_->close("closed by the server: " + m.reason);
       });
@@ -216,6 +219,7 @@ void Session::handle(const wire::Frame& frame) {
 // ---- events, census, live
 
 void Session::events_committed() {
+  parts_->host.events_committed();
   pump_events();
 }
 
@@ -296,156 +300,6 @@ void Session::on_command(const wire::Command& command) {
   else
     outcome = parts_->host.command({action, operation::Origin::network, command.value}, command.user);
   answer(command.id, outcome.accepted, outcome.reason);
-}
-
-// ---- programs into the memory
-
-void Session::result(wire::TransferResult result) {
-  connection_->send(Type::transfer_result, 0, wire::encode(result));
-}
-
-void Session::grant_put(std::uint32_t stream, Put& put) {
-  const std::uint64_t offset = put.incoming->offset();
-  put.granted_end = std::min(put.bytes, offset + kPutWindow);
-  connection_->send(Type::credit, stream,
-                    wire::encode(wire::Credit{put.transfer, offset, put.incoming->prefix_sha256(),
-                                              put.granted_end - offset}));
-}
-
-void Session::on_put(std::uint32_t stream, const wire::TransferOpen& open) {
-  MemoryResult why;
-  if (puts_.size() >= kMaxPuts) why.reason = "busy";
-  auto incoming = why.ok() ? parts_->memory.begin_put(open.name, open.bytes, open.sha256, why) : nullptr;
-  if (!incoming) return result({open.transfer, false, 0, "", why.reason});
-  Put& put = puts_[stream];
-  put = {open.transfer, open.bytes, open.sha256, std::move(incoming), 0};
-  grant_put(stream, put);
-}
-
-void Session::finish_put(std::uint32_t stream, bool ok, const std::string& reason) {
-  auto node = puts_.extract(stream);
-  if (node.empty()) return;
-  const Put& put = node.mapped();
-  result({put.transfer, ok, put.incoming->offset(), ok ? put.sha256 : "", reason});
-}
-
-asio::awaitable<void> Session::send_program(std::uint32_t stream, wire::ProgramGet request) {
-  const auto self = shared_from_this();
-  const auto found = parts_->memory.find(request.name);
-  auto source = found ? parts_->memory.open_name(request.name) : nullptr;
-  if (!source) {
-    result({request.transfer, false, 0, "", "not_found"});
-    co_return;
-  }
-  wire::Sha256 digest;
-  std::uint64_t bytes = 0;
-  std::string buffer(wire::kMaxDataBytes, '\0');
-  while (connection_->open()) {
-    co_await connection_->room();
-    const auto read = source->read({buffer.data(), buffer.size()});
-    if (read.status == program::ReadStatus::end) {
-      connection_->send(Type::data_end, stream, wire::encode(wire::DataEnd{bytes, digest.hex()}));
-      result({request.transfer, true, bytes, digest.hex(), ""});
-      co_return;
-    }
-    if (read.status != program::ReadStatus::data) {
-      result({request.transfer, false, bytes, "", "disk_error"});
-      co_return;
-    }
-    const std::string_view piece(buffer.data(), read.bytes);
-    digest.update(piece);
-    bytes += piece.size();
-    connection_->send(Type::data, stream, piece);
-  }
-}
-
-// ---- drip-feed
-
-void Session::send_credit(Type type, const OpenTransfers::Drip& drip, const DripFeed::Grant& grant) {
-  connection_->send(type, drip.stream,
-                    wire::encode(wire::Credit{drip.feed->announced().transfer, grant.offset,
-                                              grant.prefix_sha256, grant.granted}));
-}
-
-DripFeed* Session::drip_of(std::uint32_t stream) {
-  for (auto& [id, drip] : parts_->transfers.drips)
-    if (drip.stream == stream) return drip.feed.get();
-  return nullptr;
-}
-
-void Session::on_drip_open(std::uint32_t stream, const wire::TransferOpen& open) {
-  auto& drips = parts_->transfers.drips;
-  if (const auto held = drips.find(open.transfer); held != drips.end()) {
-    // Offered again (the server was restarted): it goes on where it is, if it is the same program.
-    const auto& announced = held->second.feed->announced();
-    if (announced.sha256 != open.sha256 || announced.bytes != open.bytes)
-      return result({open.transfer, false, 0, "", "another_program"});
-    held->second.stream = stream;
-    if (const auto grant = held->second.feed->resume()) send_credit(Type::credit, held->second, *grant);
-    return;
-  }
-  if (drips.size() >= kMaxDrips) return result({open.transfer, false, 0, "", "busy"});
-  auto feed = DripFeed::make({open.transfer, open.name, open.bytes, open.sha256},
-                             parts_->options.drip_buffer_bytes, parts_->wake_drips);
-  const auto outcome = parts_->host.open_stream(open.name, open.sha256, feed->source(), open.bytes);
-  if (!outcome.accepted) return result({open.transfer, false, 0, "", outcome.reason});
-  const auto& drip = drips[open.transfer] = {std::move(feed), stream};
-  if (const auto grant = drip.feed->resume()) send_credit(Type::credit, drip, *grant);
-}
-
-void Session::drips_changed() {
-  auto& [drips, unconfirmed] = parts_->transfers;
-  for (auto at = drips.begin(); at != drips.end();) {
-    const auto state = at->second.feed->state();
-    if (state.outcome == DripFeed::Outcome::running) {
-      if (active())
-        if (const auto grant = at->second.feed->grant()) send_credit(Type::credit, at->second, *grant);
-      ++at;
-      continue;
-    }
-    // The result is kept until the server has confirmed it: it may be lost with the link.
-    const bool ok = state.outcome == DripFeed::Outcome::drained;
-    const wire::TransferResult outcome{at->first, ok, state.received,
-                                       ok ? at->second.feed->announced().sha256 : "", state.reason};
-    unconfirmed[at->first] = outcome;
-    if (active()) result(outcome);
-    at = drips.erase(at);
-  }
-}
-
-void Session::on_data(const wire::Frame& frame) {
-  if (const auto found = puts_.find(frame.stream); found != puts_.end()) {
-    Put& put = found->second;
-    const MemoryResult written = put.incoming->append(frame.body);
-    if (!written.ok()) return finish_put(frame.stream, false, written.reason);
-    if (put.granted_end - std::min(put.granted_end, put.incoming->offset()) <= kPutWindow / 2 &&
-        put.granted_end < put.bytes)
-      grant_put(frame.stream, put);
-    return;
-  }
-  if (DripFeed* feed = drip_of(frame.stream); feed && !feed->append(frame.body)) drips_changed();
-}
-
-void Session::on_data_end(std::uint32_t stream, const wire::DataEnd& end) {
-  if (const auto found = puts_.find(stream); found != puts_.end()) {
-    const MemoryResult finished = found->second.incoming->finish();
-    return finish_put(stream, finished.ok(), finished.reason);
-  }
-  if (DripFeed* feed = drip_of(stream)) {
-    feed->finish(end.bytes, end.sha256);
-    drips_changed();
-  }
-}
-
-void Session::on_cancel(const wire::TransferCancel& cancel) {
-  for (const auto& [stream, put] : puts_)
-    if (put.transfer == cancel.transfer) return finish_put(stream, false, "cancelled");
-  const auto& drips = parts_->transfers.drips;
-  if (const auto found = drips.find(cancel.transfer); found != drips.end()) {
-    spdlog::warn("link: drip-feed {} ended by the server: {}", cancel.transfer, cancel.reason);
-    found->second.feed->fail(cancel.reason.empty() ? "cancelled" : cancel.reason);
-    drips_changed();
-  }
 }
 
 // ---- certificate

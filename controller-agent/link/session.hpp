@@ -14,6 +14,7 @@
 #include "link/identity.hpp"
 #include "link/link.hpp"
 #include "link/program_memory.hpp"
+#include "link/program_request.hpp"
 #include "link/spool.hpp"
 #include "protocol/wire/connection.hpp"
 #include "protocol/wire/messages.hpp"
@@ -40,7 +41,12 @@ struct LinkParts {
   OpenTransfers transfers;
   std::string boot_id;
   bool stopped = false;
+  bool leaving = false;  ///< said good-bye: no new connection
   std::function<void()> wake_drips;  ///< posts to the link's thread: some drip-feed has room or ended
+  std::function<void()> wake_requests;
+  ProgramRequests requests{[this] {
+    if (wake_requests) wake_requests();
+  }};
 };
 
 class Session : public std::enable_shared_from_this<Session> {
@@ -58,6 +64,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void events_committed();
   void memory_changed();
   void drips_changed();
+  void requests_changed();
 
  private:
   struct Put {
@@ -71,8 +78,6 @@ class Session : public std::enable_shared_from_this<Session> {
   boost::asio::awaitable<void> report_loop();
   boost::asio::awaitable<void> send_program(std::uint32_t stream, wire::ProgramGet request);
   void handle(const wire::Frame& frame);
-  template <class Message, class Handler>
-  void with(const wire::Frame& frame, Handler handler);
 
   void on_command(const wire::Command& command);
   void on_put(std::uint32_t stream, const wire::TransferOpen& open);
@@ -89,6 +94,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void send_credit(wire::Type type, const OpenTransfers::Drip& drip, const DripFeed::Grant& grant);
   DripFeed* drip_of(std::uint32_t stream);
   void pump_events();
+  void on_data_write(const wire::Frame& frame);
+  void report_data();
   void send_census();
   void send_live();
   void sample_trail();
@@ -101,6 +108,8 @@ class Session : public std::enable_shared_from_this<Session> {
   bool welcomed_ = false;
   std::string refusal_;
   std::int64_t machine_ = 0;
+  std::chrono::steady_clock::time_point reported_{};
+  std::string reported_values_;  ///< hash of what was reported last on this connection
   std::uint64_t sent_event_ = 0, acknowledged_ = 0, pings_ = 0;
   std::map<std::uint32_t, Put> puts_;
   nlohmann::json trail_ = nlohmann::json::array();

@@ -16,6 +16,12 @@ namespace headstock::machine {
 /// How an axis' words are understood when a program gives its position.
 enum class Designation { radius, diameter };
 
+/// How an axis finds out where it stands after power on.
+enum class Homing {
+  absolute,  ///< its encoder knows
+  dog        ///< it has to be driven over the deceleration dog to the next zero mark once
+};
+
 /// One point of an axis' pitch-error table: what the measured screw is off at a machine position.
 struct PitchError {
   double position_mm = 0;
@@ -36,6 +42,34 @@ struct Axis {
   double reference_mm = 0;                  ///< machine coordinate of reference point 1
   double backlash_um = 0;                   ///< 0…1000
   std::vector<PitchError> pitch_error;      ///< `[[position_mm, error_um], …]`, positions ascending; linear between
+  /// The same, measured while moving in the negative direction (bidirectional compensation). Empty: pitch_error holds
+  /// both ways and the screw's play is `backlash_um`.
+  std::vector<PitchError> pitch_error_negative;
+  double emergency_deceleration_mm_s2 = 0;  ///< of an emergency stop, before the drives go off; 0: twice max_acceleration
+  Homing homing = Homing::absolute;
+  double dog_mm = 0;                        ///< machine coordinate of the middle of the deceleration dog
+  double dog_width_mm = 10;                 ///< > 0
+  double grid_mm = 5;                       ///< distance of the encoder's zero marks, > 0
+  bool home_negative = false;               ///< the search for the dog goes in the negative direction
+  double creep_mm_min = 300;                ///< behind the dog, to the zero mark (FANUC No. 1425), > 0
+  double in_position_um = 20;               ///< FANUC No. 1826, > 0
+  double following_error_mm = 0;            ///< most while moving (No. 1828); 0: 1.5 × what the rapid rate makes, + 1 mm
+  double following_error_stopped_mm = 0.5;  ///< most at rest (No. 1829), > 0
+  // ---- the servo of the simulated drive
+  double position_gain_per_s = 50;          ///< following error [mm] = speed [mm/s] / this; > 0
+  double torque_reserve = 2.5;              ///< greatest acceleration of motor and load over max_acceleration, > 0
+  double friction_mm_s2 = 0;                ///< Coulomb friction, as the acceleration it eats
+  double inertia_ratio = 1;                 ///< load and motor over what the servo was tuned for, > 0
+  double encoder_um = 0;                    ///< what the encoder resolves; 0: no rounding
+  // ---- electronic gear: pulses to the drive = position × numerator / denominator × 1000 (GSK 2000TC P015, P016)
+  int gear_numerator = 0;                   ///< 0: none, the drive takes positions
+  int gear_denominator = 1;
+  // ---- axes that are coupled
+  char follows = 0;                         ///< synchronous axis: does what this axis does; no program commands it
+  double synchronous_error_mm = 0.1;        ///< most that it may be away from its master (FANUC No. 8314), > 0
+  double inclined_deg = 0;                  ///< angular axis: leans this far towards `inclined_to` (No. 8210), −85…85
+  char inclined_to = 0;                     ///< the perpendicular axis (No. 8212); 0: none
+  bool plc = false;                         ///< moved by the machine's ladder, not by programs
 };
 
 struct Spindle {
@@ -43,6 +77,14 @@ struct Spindle {
   double min_rpm = 0;
   double acceleration_rpm_s = 2'000;        ///< > 0, of the simulated spindle
   int encoder_lines = 1'024;                ///< pulses a revolution before the fourfold count
+  double tap_rpm = 0;                       ///< most in rigid tapping (FANUC No. 5241); 0: max_rpm
+  double tap_acceleration_rpm_s = 0;        ///< in rigid tapping; 0: acceleration_rpm_s
+  double position_error_deg = 20;           ///< most the spindle may lag in rigid tapping and on Cs (No. 5311), > 0
+  int orient_m = 19;                        ///< M code that turns it to orient_deg and keeps it there; 0: none
+  double orient_deg = 0;                    ///< from the encoder's zero mark, 0…360
+  double orient_rpm = 200;                  ///< > 0
+  char contour_axis = 0;                    ///< rotary axis that is this spindle (Cs contour control); 0: none
+  int contour_on_m = 0, contour_off_m = 0;  ///< M codes that switch it; 0: none
 };
 
 enum class Kind { lathe, mill };
@@ -55,7 +97,10 @@ struct Machine {
   double tolerance_mm = 0.01;               ///< `[path] tolerance_mm`: corners are rounded by at most this
   std::vector<Axis> axes;                   ///< in the order X Y Z A B C U V W; at most kMaxAxes
   Spindle spindle;
-  std::string drive = "simulated";          ///< `[drive] type`
+  std::string drive = "simulated";          ///< `[drive] type`: simulated, or ideal (follows without any error)
+  bool second_auxiliary = false;            ///< B codes are wired to something that acts on them
+  bool skip_input = false;                  ///< there is a skip input; without one G31 is an alarm
+  char polygon_axis = 0;                    ///< rotary axis that drives the tool of polygon turning; 0: none
   std::size_t program_memory_bytes = 2u << 20;  ///< what the agent keeps of programs (`[memory] programs_kb`)
 
   /// Index of the axis with this address letter, if the machine has it.

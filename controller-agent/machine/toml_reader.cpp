@@ -15,7 +15,8 @@ namespace headstock::machine {
 namespace {
 
 constexpr std::string_view kAxisOrder = "XYZABCUVW";
-constexpr std::string_view kDriveTypes[] = {"simulated"};
+constexpr std::string_view kDriveTypes[] = {"simulated", "ideal"};
+constexpr std::string_view kHomings[] = {"absolute", "dog"};
 constexpr std::size_t kMaxPitchPoints = 1'024;
 constexpr std::size_t kMaxNameBytes = 64;
 
@@ -42,6 +43,25 @@ struct Number {
   bool above_min = false;  // the value must be greater than min, not equal to it
 };
 
+struct Switch {
+  std::string_view key;
+  bool Axis::*member;
+};
+
+template <typename T>
+struct WholeNumber {
+  std::string_view key;
+  int T::*member;
+  int min, max;
+};
+
+/// The name of another axis.
+template <typename T>
+struct Letter {
+  std::string_view key;
+  char T::*member;
+};
+
 constexpr Number<Axis> kAxisNumbers[] = {
     {"rapid_mm_min", &Axis::rapid_mm_min, 0, 1e6, true},
     {"max_feed_mm_min", &Axis::max_feed_mm_min, 0, 1e6, true},
@@ -51,13 +71,45 @@ constexpr Number<Axis> kAxisNumbers[] = {
     {"max_mm", &Axis::max_mm, -1e6, 1e6},
     {"reference_mm", &Axis::reference_mm, -1e6, 1e6},
     {"backlash_um", &Axis::backlash_um, 0, 1e3},
+    {"emergency_deceleration_mm_s2", &Axis::emergency_deceleration_mm_s2, 0, 1e6},
+    {"dog_mm", &Axis::dog_mm, -1e6, 1e6},
+    {"dog_width_mm", &Axis::dog_width_mm, 0, 1e4, true},
+    {"grid_mm", &Axis::grid_mm, 0, 1e3, true},
+    {"creep_mm_min", &Axis::creep_mm_min, 0, 1e5, true},
+    {"in_position_um", &Axis::in_position_um, 0, 1e4, true},
+    {"following_error_mm", &Axis::following_error_mm, 0, 1e3},
+    {"following_error_stopped_mm", &Axis::following_error_stopped_mm, 0, 1e3, true},
+    {"position_gain_per_s", &Axis::position_gain_per_s, 0, 1e3, true},
+    {"torque_reserve", &Axis::torque_reserve, 0, 1e3, true},
+    {"friction_mm_s2", &Axis::friction_mm_s2, 0, 1e6},
+    {"inertia_ratio", &Axis::inertia_ratio, 0, 1e3, true},
+    {"encoder_um", &Axis::encoder_um, 0, 1e3},
+    {"synchronous_error_mm", &Axis::synchronous_error_mm, 0, 1e3, true},
+    {"inclined_deg", &Axis::inclined_deg, -85, 85},
 };
+
+constexpr Switch kAxisSwitches[] = {
+    {"rotary", &Axis::rotary}, {"home_negative", &Axis::home_negative}, {"plc", &Axis::plc}};
+constexpr WholeNumber<Axis> kAxisWholeNumbers[] = {{"gear_numerator", &Axis::gear_numerator, 0, 32'767},
+                                                   {"gear_denominator", &Axis::gear_denominator, 1, 32'767}};
+constexpr Letter<Axis> kAxisLetters[] = {{"follows", &Axis::follows}, {"inclined_to", &Axis::inclined_to}};
 
 constexpr Number<Spindle> kSpindleNumbers[] = {
     {"max_rpm", &Spindle::max_rpm, 0, 200'000, true},
     {"min_rpm", &Spindle::min_rpm, 0, 200'000},
     {"acceleration_rpm_s", &Spindle::acceleration_rpm_s, 0, 1e7, true},
+    {"tap_rpm", &Spindle::tap_rpm, 0, 200'000},
+    {"tap_acceleration_rpm_s", &Spindle::tap_acceleration_rpm_s, 0, 1e7},
+    {"position_error_deg", &Spindle::position_error_deg, 0, 1e5, true},
+    {"orient_deg", &Spindle::orient_deg, 0, 360},
+    {"orient_rpm", &Spindle::orient_rpm, 0, 200'000, true},
 };
+constexpr WholeNumber<Spindle> kSpindleWholeNumbers[] = {
+    {"encoder_lines", &Spindle::encoder_lines, 1, 1'000'000},
+    {"orient_m", &Spindle::orient_m, 0, 99'999'999},
+    {"contour_on_m", &Spindle::contour_on_m, 0, 99'999'999},
+    {"contour_off_m", &Spindle::contour_off_m, 0, 99'999'999}};
+constexpr Letter<Spindle> kSpindleLetters[] = {{"contour_axis", &Spindle::contour_axis}};
 
 std::string one_of(std::span<const std::string_view> choices) {
   std::string out;
@@ -136,18 +188,60 @@ bool read_number(T& into, const Number<T> (&numbers)[N], std::string_view key, c
   return true;
 }
 
+template <typename T, std::size_t N>
+bool read_whole(T& into, const WholeNumber<T> (&numbers)[N], std::string_view key, const toml::node& node,
+                const Place& place) {
+  for (const auto& entry : numbers) {
+    if (entry.key != key) continue;
+    into.*(entry.member) = static_cast<int>(integer(node, key, entry.min, entry.max, place));
+    return true;
+  }
+  return false;
+}
+
+bool switch_value(const toml::node& node, std::string_view key, const Place& place) {
+  const auto value = node.value<bool>();
+  if (!node.is_boolean() || !value) place.fail(node, fmt::format("{} must be true or false", key));
+  return *value;
+}
+
+char letter(const toml::node& node, std::string_view key, const Place& place) {
+  const std::string value = text(node, key, place);
+  if (value.size() != 1 || kAxisOrder.find(value[0]) == std::string_view::npos)
+    place.fail(node, fmt::format("{} = \"{}\" is not an axis: one of X Y Z A B C U V W", key, value));
+  return value[0];
+}
+
+template <typename T, std::size_t N>
+bool read_letter(T& into, const Letter<T> (&letters)[N], std::string_view key, const toml::node& node,
+                 const Place& place) {
+  for (const auto& entry : letters) {
+    if (entry.key != key) continue;
+    into.*(entry.member) = letter(node, key, place);
+    return true;
+  }
+  return false;
+}
+
 void read_axis_key(Axis& axis, std::string_view key, const toml::node& node, const Place& place) {
   static constexpr std::string_view designations[] = {"radius", "diameter"};
   if (read_number(axis, kAxisNumbers, key, node, place)) return;
-  if (key == "rotary") {
-    const auto value = node.value<bool>();
-    if (!node.is_boolean() || !value) place.fail(node, "rotary must be true or false");
-    axis.rotary = *value;
+  if (read_whole(axis, kAxisWholeNumbers, key, node, place)) return;
+  if (read_letter(axis, kAxisLetters, key, node, place)) return;
+  for (const Switch& entry : kAxisSwitches) {
+    if (entry.key != key) continue;
+    axis.*(entry.member) = switch_value(node, key, place);
+    return;
+  }
+  if (key == "homing") {
+    axis.homing = choice(node, key, kHomings, place) == "dog" ? Homing::dog : Homing::absolute;
   } else if (key == "designation") {
     axis.designation =
         choice(node, key, designations, place) == "diameter" ? Designation::diameter : Designation::radius;
   } else if (key == "pitch_error") {
     axis.pitch_error = pitch_error(node, place);
+  } else if (key == "pitch_error_negative") {
+    axis.pitch_error_negative = pitch_error(node, place);
   } else {
     place.fail(node, fmt::format("{} is not a key of this section", key));
   }
@@ -159,6 +253,37 @@ void check_axis(const Axis& axis, const toml::node& node, const Place& place) {
     place.fail(node, fmt::format("reference_mm = {} is outside min_mm … max_mm", axis.reference_mm));
   if (axis.rotary && axis.designation == Designation::diameter)
     place.fail(node, "a rotary axis cannot be diameter-designated");
+}
+
+/// Couplings name other axes: they must be there, and no axis may follow one that follows another.
+void check_couplings(const Machine& machine, const toml::node& section, const Place& place) {
+  const auto other = [&](const Axis& axis, char name, std::string_view key) -> const Axis& {
+    const auto index = machine.axis_index(name);
+    if (!index || name == axis.name)
+      place.fail(section, fmt::format("{} of axis {} names {}, which is no other axis of this machine", key,
+                                      axis.name, name));
+    return machine.axes[*index];
+  };
+  for (const Axis& axis : machine.axes) {
+    if (axis.follows != 0) {
+      const Axis& master = other(axis, axis.follows, "follows");
+      if (master.follows != 0)
+        place.fail(section, fmt::format("axis {} follows {}, which follows itself", axis.name, axis.follows));
+      if (master.rotary != axis.rotary)
+        place.fail(section, fmt::format("axis {} follows {} of another kind", axis.name, axis.follows));
+    }
+    if ((axis.inclined_to != 0) != (axis.inclined_deg != 0))
+      place.fail(section, fmt::format("axis {}: inclined_deg and inclined_to belong together", axis.name));
+    if (axis.inclined_to != 0) {
+      const Axis& straight = other(axis, axis.inclined_to, "inclined_to");
+      if (straight.rotary || axis.rotary || straight.inclined_to != 0)
+        place.fail(section, fmt::format("axis {}: an inclined axis and its perpendicular one are linear axes",
+                                        axis.name));
+    }
+    if (axis.plc && axis.follows != 0)
+      place.fail(section,
+                 fmt::format("axis {} cannot be moved by the ladder and follow {}", axis.name, axis.follows));
+  }
 }
 
 void read_axes(Machine& machine, const toml::node& section, std::string_view file) {
@@ -193,6 +318,7 @@ void read_axes(Machine& machine, const toml::node& section, std::string_view fil
                              fmt::format("{} axes: a machine has at most {}", machine.axes.size(), kMaxAxes));
   std::sort(machine.axes.begin(), machine.axes.end(),
             [](const Axis& a, const Axis& b) { return kAxisOrder.find(a.name) < kAxisOrder.find(b.name); });
+  check_couplings(machine, section, {file, "axis"});
 }
 
 void read_machine(Machine& machine, const toml::table& section, const Place& place) {
@@ -204,6 +330,12 @@ void read_machine(Machine& machine, const toml::table& section, const Place& pla
       machine.kind = choice(node, key, kinds, place) == "mill" ? Kind::mill : Kind::lathe;
     else if (key == "period_us")
       machine.period_us = static_cast<int>(integer(node, key, 250, 8'000, place));
+    else if (key == "second_auxiliary")
+      machine.second_auxiliary = switch_value(node, key, place);
+    else if (key == "skip_input")
+      machine.skip_input = switch_value(node, key, place);
+    else if (key == "polygon_axis")
+      machine.polygon_axis = letter(node, key, place);
     else if (key != "profile")
       place.fail(node, fmt::format("{} is not a key of this section", key.str()));
   }
@@ -212,10 +344,9 @@ void read_machine(Machine& machine, const toml::table& section, const Place& pla
 void read_spindle(Machine& machine, const toml::node& node, const Place& place) {
   for (const auto& [key, value] : table_of(node, place)) {
     if (read_number(machine.spindle, kSpindleNumbers, key.str(), value, place)) continue;
-    if (key == "encoder_lines")
-      machine.spindle.encoder_lines = static_cast<int>(integer(value, key, 1, 1'000'000, place));
-    else
-      place.fail(value, fmt::format("{} is not a key of this section", key.str()));
+    if (read_whole(machine.spindle, kSpindleWholeNumbers, key.str(), value, place)) continue;
+    if (read_letter(machine.spindle, kSpindleLetters, key.str(), value, place)) continue;
+    place.fail(value, fmt::format("{} is not a key of this section", key.str()));
   }
   if (machine.spindle.min_rpm > machine.spindle.max_rpm)
     place.fail(node, "min_rpm must not be greater than max_rpm");
@@ -281,6 +412,13 @@ Machine read(const toml::table& document, std::string_view where, std::string_vi
     if (found == std::end(kSections))
       Place{where, std::string(key.str())}.fail(value, "is not a section of a machine file");
     found->read(*machine, value, {where, std::string(key.str())});
+  }
+  for (const char name : {machine->spindle.contour_axis, machine->polygon_axis}) {
+    if (name == 0) continue;
+    const auto index = machine->axis_index(name);
+    if (!index || !machine->axes[*index].rotary)
+      throw Failure{fmt::format(
+          "{}:1: contour_axis and polygon_axis must name a rotary axis of the machine, not {}", where, name)};
   }
   return *machine;
 }

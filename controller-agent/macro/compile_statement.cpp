@@ -136,7 +136,8 @@ bool statement(Parser& parser, const Rules& rules, Statement& out) {
   }
   if (rules.names && parser.take_word("SETVN")) return set_names(parser, out);
   if (parser.peek() == '#' || parser.peek() == '[') return assignment(parser, out);
-  return parser.fail(Fault::macro_syntax);
+  const char c = parser.peek();
+  return parser.fail(c >= 'A' && c <= 'Z' ? Fault::macro_word_unknown : Fault::macro_syntax);
 }
 
 }  // namespace

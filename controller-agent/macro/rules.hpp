@@ -29,6 +29,7 @@ struct Rules {
   std::uint16_t locals = 33;
   std::array<CommonRange, 2> common{};
   bool retained_start_at_zero = false;  ///< on a new machine; otherwise <null>
+  std::string_view clear_locals_parameter;  ///< bit: locals do not survive reset ("S173.1"); empty: never
   std::string_view keep_volatile_parameter;  ///< bit: #100… survive reset ("6001#6")
   std::string_view clear_volatile_parameter;  ///< bit: they do not survive ("S173.0"); empty: always cleared
   std::string_view protect_first = {}, protect_last = {};  ///< parameters: write-protected commons
@@ -45,6 +46,11 @@ struct Rules {
   int most_loops = 3;                ///< DO numbers 1…, and their nesting
   std::uint32_t most_goto = 99'999;  ///< GOTO targets
 
+  std::string_view single_block_parameter;  ///< bit: single block stops at statements ("6000#5")
+  std::string_view switched_single_block_parameter;  ///< bit: it does unless #3003 says not to ("6000#7")
+  std::string_view fast_goto_first_parameter;   ///< bit: GOTO looks at the first 20 numbers passed ("6000#1")
+  std::string_view fast_goto_recent_parameter;  ///< bit: GOTO looks at the last 30 passed ("6000#4")
+
   // ---- #3000
   std::string_view alarm_prefix = "MC";
   int alarm_digits = 4;
@@ -57,10 +63,13 @@ struct Rules {
   int macro_nesting = 5, all_nesting = 15;
   std::int64_t most_repeats = 999'999'999, most_code_repeats = 99'999'999;
   bool type_two = true;  ///< I J K in groups
+  std::string_view sequence_call_parameter;  ///< bit: M98 P Q begins at sequence number Q ("6005#0")
   std::string_view type_one_parameter;  ///< bit: never in groups ("6008#7")
   bool macro_calls = false;  ///< G65 P
   bool h_codes = false;      ///< G65 with H is an operation, not a call (GSK)
   std::uint32_t whole_arguments = 0;  ///< letters whose arguments have no decimals (see program::letters)
+  std::string_view typed_arguments_parameter;  ///< bit: pocket decimals are not for arguments ("3452#7")
+  std::string_view decimal_d_parameter;  ///< bit: D as an argument has decimals after all ("6019#2")
   bool modal_calls = false;             ///< G66/G67
   std::string_view lone_cancel_parameter;  ///< bit: G67 without G66 is no alarm ("6000#0")
   CodeCalls g_macros, m_macros, m_subs;
@@ -79,6 +88,7 @@ struct Rules {
   std::string_view interruption_same_locals_parameter;
 
   // ---- output
+  std::string_view external_in_mdi_parameter;  ///< bit: M198 works in MDI ("11630#1")
   bool printing = false;                 ///< POPEN, BPRNT, DPRNT, PCLOS
   std::string_view print_plain_parameter;  ///< bit: no spaces for zeros and the plus sign ("6001#1")
   std::string_view print_cr_parameter;     ///< bit: CR after LF ("6001#4")

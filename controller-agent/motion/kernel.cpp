@@ -52,6 +52,7 @@ struct Kernel::Impl {
         maker(machine),
         plan(cells),
         law(cells, period_s, maker.smoothing_periods()) {
+    for (std::size_t i = 0; i < axes; ++i) rapid_mm_s[i] = machine.axes[i].rapid_mm_min / 60;
     restart(AxisVector{});
     take_restart();
   }
@@ -128,7 +129,12 @@ struct Kernel::Impl {
       thread.start_angle_rad = cut->start_angle_rad;
     } else {
       section.kind = FeedKind::rapid;
+      // What the rapid override is a part of: the speed at which the first axis is at its rapid rate.
       section.speed = kAny;
+      for (std::size_t i = 0; i < axes && curve.length > 0; ++i) {
+        const double way = std::abs(curve.end[i] - curve.start[i]);
+        if (way > 0) section.speed = std::min(section.speed, rapid_mm_s[i] * curve.length / way);
+      }
     }
     return section;
   }
@@ -348,6 +354,7 @@ struct Kernel::Impl {
 
   const std::size_t axes;
   const double highest_rpm;
+  AxisVector rapid_mm_s{};
   const double period_s;
 
   // between the threads
@@ -394,6 +401,10 @@ void Kernel::set_position(const AxisVector& position) {
 
 bool Kernel::can_push() const {
   return impl_->moves.room(impl_->moves_written) > 0;
+}
+
+std::size_t Kernel::room() const {
+  return static_cast<std::size_t>(impl_->moves.room(impl_->moves_written));
 }
 
 void Kernel::push(const Move& move) {

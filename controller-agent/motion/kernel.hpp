@@ -59,6 +59,7 @@ struct Move {
   double tolerance_mm = 0.01;  ///< how far the corner at the end may be rounded; 0 is an exact stop
   bool block_end = true;       ///< the program's block ends with this move: single block may stop here
   bool skip = false;           ///< the skip signal ends this move (G31); give it an exact stop
+  bool free_path = false;      ///< non-interpolated positioning: how the axes get there is not programmed
 };
 
 /// The feed is never raised above this, whatever the switch says (0…254 % is the widest of the controllers'
@@ -109,6 +110,7 @@ class Kernel {
   void set_position(const AxisVector& position);
   /// Room for one more move?
   bool can_push() const;
+  std::size_t room() const;
   /// Appends a move that starts where the last one ended. Precondition: can_push(). After an abort call
   /// set_position() first; a move of no length is kept for its tag and exact stop only.
   void push(const Move& move);

@@ -103,7 +103,7 @@ double PathError::sample(const AxisVector& position, std::uint64_t tag) {
     moves_.erase(moves_.begin(), moves_.begin() + static_cast<std::ptrdiff_t>(drop));
     current_ -= drop;
   }
-  max_ = std::max(max_, best);
+  if (!moves_[current_].move.free_path) max_ = std::max(max_, best);
   return best;
 }
 

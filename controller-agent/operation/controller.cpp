@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iterator>
 #include <stdexcept>
 #include <utility>
@@ -47,6 +48,9 @@ constexpr Rule kRules[] = {
     {Action::set_machine_lock, Right::panel_only},
     {Action::set_parts_required, Right::anyone},
     {Action::reset_parts, Right::anyone},
+    {Action::set_axis_lock, Right::panel_only},
+    {Action::set_manual_absolute, Right::panel_only},
+    {Action::tap_retract, Right::panel_only},
 };
 
 Right right_for(Action action) {
@@ -58,6 +62,8 @@ Right right_for(Action action) {
 struct Range {
   double least, most;
 };
+constexpr double kUnmoved_mm = 0.001;
+constexpr double kWholeWay_mm = 1e9;
 constexpr Range kFeedOverride{0, motion::kMaxOverride}, kRapidOverride{0, 1}, kSpindleOverride{0.5, 1.2};
 
 const dialects::Dialect& dialect_of(const machine::Machine& machine) {
@@ -74,26 +80,27 @@ std::int64_t system_now_ms() {
 
 std::unique_ptr<axes::Drive> drive_or_default(ControllerOptions& options, const machine::Machine& machine) {
   if (options.drive) return std::move(options.drive);
-  return std::make_unique<axes::SimulatedDrive>(machine);
+  return axes::make_drive(machine);
 }
 
-std::unique_ptr<plc::Auxiliary> functions_or_default(ControllerOptions& options) {
+std::unique_ptr<plc::Auxiliary> functions_or_default(ControllerOptions& options,
+                                                     const machine::Machine& machine) {
   if (options.functions) return std::move(options.functions);
-  return std::make_unique<plc::BuiltIn>();
+  const machine::Spindle& spindle = machine.spindle;
+  const bool contour = spindle.contour_axis != 0;
+  return std::make_unique<plc::BuiltIn>(
+      plc::Times{}, plc::SpindleCodes{spindle.orient_m, contour ? spindle.contour_on_m : 0,
+                                      contour ? spindle.contour_off_m : 0});
 }
 
-/// Takes the lock from the look-ahead thread, which lets go between pieces of work when somebody waits.
-class Access {
- public:
-  Access(std::mutex& mutex, std::atomic<int>& waiting) : guard_(mutex, std::defer_lock) {
-    waiting.fetch_add(1, std::memory_order_relaxed);
-    guard_.lock();
-    waiting.fetch_sub(1, std::memory_order_relaxed);
-  }
-
- private:
-  std::unique_lock<std::mutex> guard_;
-};
+/// Axes for which `is` holds; bit: axis.
+template <typename Is>
+std::uint32_t axes_where(const machine::Machine& machine, Is is) {
+  std::uint32_t mask = 0;
+  for (std::size_t i = 0; i < machine.axes.size(); ++i)
+    if (is(machine.axes[i])) mask |= 1u << i;
+  return mask;
+}
 
 AxisVector reference_position(const machine::Machine& machine) {
   AxisVector position{};
@@ -108,24 +115,32 @@ Controller::Impl::Impl(machine::Machine machine_in, interp::MachineData data_in,
       data(std::move(data_in)),
       now_ms(options.now_ms ? std::move(options.now_ms) : system_now_ms),
       kernel(machine),
-      realtime(machine, kernel, tags, drive_or_default(options, machine), functions_or_default(options)),
+      realtime(machine, kernel, tags, drive_or_default(options, machine),
+               functions_or_default(options, machine)),
       macro_environment(realtime, retained, waiting, period_s()),
       interpreter(dialect_of(machine), machine, data, &programs),
       feed(machine, kernel, tags),
+      retrace(machine),
+      plc_axes(axes_where(machine, [](const machine::Axis& axis) { return axis.plc; })),
       switches(options.switches),
-      skip_input(options.skip_input),
+      skip_input(options.skip_input || machine.skip_input),
       retained(options.retained) {
   const AxisVector home = reference_position(machine);
+  feed.set_history(&retrace);
   kernel.set_position(home);
   feed.set_position(home);
+  realtime.homed =
+      ~axes_where(machine, [](const machine::Axis& axis) { return axis.homing == machine::Homing::dog; });
   realtime.feed_override = retained.feed_override;
   realtime.rapid_override = retained.rapid_override;
   realtime.spindle_override = retained.spindle_override;
   interpreter.set_environment(&macro_environment);
   interpreter.set_switches(switches);
   interpreter.reset(home);
+  if (std::exchange(retained.run_open, false))
+    emit(RunEnded{retained.last_run, "interrupted", std::nan(""), std::nan(""), retained.parts_total, {}});
   interpreter.on_data_change([this](const interp::DataChange& change) {
-    emit(OffsetChanged{change, "program"});
+    emit(OffsetChanged{change, std::string(change.source)});
     if (change.what == "tool_life/change_due" && change.after != 0) {
       const MachineAlarm text = tool_life_message();
       raise(std::string(text.code), {}, last_block, text, true);
@@ -143,6 +158,7 @@ CommandResult Controller::Impl::command(const Command& command) {
   const auto set_override = [&](std::atomic<double>& target, double& kept, Range range) {
     if (!(command.value >= range.least && command.value <= range.most)) return refused("bad_value");
     target = kept = command.value;
+    run_record.overrides(retained.feed_override, retained.rapid_override, retained.spindle_override);
     return accepted();
   };
   const auto set_switch = [&](bool& target) {
@@ -154,10 +170,15 @@ CommandResult Controller::Impl::command(const Command& command) {
   };
   switch (command.action) {
     case Action::cycle_start:
+      if (!run_open) run_by = command.user;
       return cycle_start(command.origin);
     case Action::feed_hold:
-      if (phase == Phase::running) realtime.hold = true;
-      if (phase == Phase::manual) end_manual(true);
+      if (phase == Phase::running && !realtime.hold.exchange(true)) ++run_record.holds;
+      if (hand_moving != 0) stop_hands();
+      if (retracing) {
+        retrace.kernel()->abort();
+        returning = false;
+      }
       return accepted();
     case Action::reset:
       return reset();
@@ -204,6 +225,25 @@ CommandResult Controller::Impl::command(const Command& command) {
         realtime.request_abort();
       }
       return accepted();
+    case Action::set_axis_lock: {
+      if (phase != Phase::idle || emergency) return refused("running");
+      const double most = std::pow(2.0, static_cast<double>(machine.axes.size())) - 1;
+      if (!(command.value >= 0 && command.value <= most)) return refused("bad_value");
+      const auto mask = static_cast<std::uint32_t>(command.value);
+      const std::uint32_t before = realtime.axis_lock;
+      if ((before & ~mask) != 0) {  // as with the machine lock: taken up where the axes stand
+        phase = Phase::aborting;
+        unlocked_axes = before & ~mask;
+        realtime.request_abort();
+      }
+      realtime.axis_lock = before | mask;
+      return accepted();
+    }
+    case Action::set_manual_absolute:
+      manual_absolute = on;
+      return accepted();
+    case Action::tap_retract:
+      return tap_retract();
     case Action::set_parts_required:
       if (!(command.value >= 0 && command.value <= 999'999'999)) return refused("bad_value");
       retained.parts_required = static_cast<std::uint64_t>(command.value);
@@ -220,17 +260,7 @@ CommandResult Controller::Impl::cycle_start(Origin origin) {
   if (alarmed() || phase == Phase::faulted) return refused("alarm");
   if (phase == Phase::aborting) return refused("resetting");
   if (phase == Phase::manual || (phase == Phase::running && !realtime.hold)) return refused("running");
-  if (phase != Phase::idle) {  // from hold or stop: the same run goes on
-    clear_alarms(true);
-    anything_moved = false;
-    wait_since_period = 0;
-    message.clear();
-    if (phase == Phase::stopped) ++realtime.go;
-    phase = Phase::running;
-    realtime.running = true;
-    realtime.hold = false;
-    return accepted();
-  }
+  if (phase != Phase::idle) return resume();
   if (mode == Mode::mdi) {
     if (!mdi_block.memory) return refused("no_program");
     return start_run(mdi_block);
@@ -241,18 +271,59 @@ CommandResult Controller::Impl::cycle_start(Origin origin) {
   return start_run(selection);
 }
 
+/// From feed hold or a stop: the same run goes on.
+CommandResult Controller::Impl::resume() {
+  if (mode != run_mode) return refused("wrong_mode");
+  if (returning || retracing || !hands_done(~plc_axes)) return refused("running");
+  clear_alarms(true);
+  anything_moved = false;
+  wait_since_period = 0;
+  message.clear();
+  resume_with_go = resume_with_go || phase == Phase::stopped;
+  if (retrace.active() && !retrace.at_hold()) {
+    phase = Phase::running;
+    realtime.hold = true;
+    retrace.go(kWholeWay_mm, retrace_feed_mm_s());
+    retrace_since = realtime.state().periods;
+    retracing = returning = true;
+    return accepted();
+  }
+  end_retrace();
+  if (manual_absolute && displaced()) {
+    phase = Phase::running;
+    realtime.hold = true;
+    go_back();
+    return accepted();
+  }
+  go_on();
+  return accepted();
+}
+
+void Controller::Impl::go_on() {
+  if (std::exchange(resume_with_go, false)) ++realtime.go;
+  phase = Phase::running;
+  realtime.running = true;
+  realtime.hold = false;
+}
+
 CommandResult Controller::Impl::start_run(Selection& chosen) {
+  if (displaced()) return refused("resetting");  // a displaced program has just ended
   auto source = chosen.is_stream ? std::move(chosen.stream) : chosen.memory->open_name(chosen.name);
   if (!source) return refused(chosen.is_stream ? "no_program" : "not_found");
 
   main_window = std::make_shared<TextWindow>();
   programs.select(chosen.memory);
+  switches.origin = &chosen == &mdi_block ? interp::ProgramOrigin::mdi
+                    : chosen.is_stream    ? interp::ProgramOrigin::dnc
+                                          : interp::ProgramOrigin::memory;
   interpreter.set_switches(switches);
   // The same bits in every run: lengths along the path are counted from its start.
   const AxisVector standing = feed.position();
   kernel.set_position(standing);
   feed.set_position(standing);
+  retrace.forget();
   interpreter.start(windowed(std::move(source), main_window), feed.position());
+  realtime.rapid_f0 = rapid_f0();
   feed.set_rules({dry_run, data.parameter("1410", FeedRules{}.dry_run_mm_min)});
   clear_alarms(true);
   message.clear();
@@ -263,12 +334,26 @@ CommandResult Controller::Impl::start_run(Selection& chosen) {
   run_periods_base = realtime.state().run_periods;
   cutting_periods_base = realtime.state().cutting_periods;
   phase = Phase::running;
+  run_mode = mode;
+  resume_with_go = false;
   realtime.hold = false;
   realtime.running = true;
   run_open = true;
-  emit(RunStarted{++retained.last_run, chosen.name, chosen.revision_hash});
+  run_record = RunRecord::begin(retained.feed_override, retained.rapid_override, retained.spindle_override);
+  emit(RunStarted{++retained.last_run, chosen.name, chosen.revision_hash, retained.parts_total, run_by});
   if (&chosen == &mdi_block) mdi_block.memory.reset();  // once
   return accepted();
+}
+
+/// F0 (0i-D No. 1421): the slowest of the axes' rates, as a part of the rapid rate. 0 without the parameter:
+/// the axes stand.
+double Controller::Impl::rapid_f0() const {
+  double least = 1;
+  for (const machine::Axis& axis : machine.axes) {
+    const double all = data.parameter("1421");
+    least = std::min(least, data.parameter(std::string("1421/") + axis.name, all) / axis.rapid_mm_min);
+  }
+  return std::clamp(least, 0.0, 1.0);
 }
 
 CommandResult Controller::Impl::reset() {
@@ -277,6 +362,9 @@ CommandResult Controller::Impl::reset() {
   if (!emergency) clear_alarms(false);
   finish_run("reset");
   message.clear();
+  trip_reset = tripped && !emergency;
+  drop_park();
+  returning = false;
   phase = Phase::aborting;
   realtime.request_abort();
   return accepted();
@@ -288,6 +376,8 @@ CommandResult Controller::Impl::emergency_stop() {
   emergency = true;
   armed = false;
   finish_run("reset");
+  drop_park();
+  returning = releasing = false;
   phase = Phase::aborting;
   realtime.request_abort();
   return accepted();
@@ -297,13 +387,32 @@ CommandResult Controller::Impl::release_emergency_stop() {
   if (!emergency) return refused("no_emergency_stop");
   if (phase == Phase::aborting) return refused("resetting");
   emergency = false;
-  realtime.emergency_stop = false;
   clear_alarms(false);
+  const RealtimeState& now = realtime.state();
+  const AxisVector& commanded = feed.position();
+  bool moved = false;
+  for (std::size_t i = 0; i < machine.axes.size(); ++i)
+    moved = moved || std::abs(now.actual[i] - commanded[i]) > kUnmoved_mm;
+  if (!moved) {
+    realtime.emergency_stop = false;
+    tripped = false;
+    return accepted();
+  }
+  // The axes may have been moved while the drives were off: they are taken up where they stand, then the
+  // drives go on.
+  releasing = true;
+  phase = Phase::aborting;
+  realtime.request_abort();
   return accepted();
 }
 
 CommandResult Controller::Impl::set_mode(double value) {
-  if (busy()) return refused("running");
+  const auto to_hand = [&] {  // a hand may intervene in a held program, and the program be gone on with
+    const auto wanted = static_cast<Mode>(static_cast<int>(value));
+    return wanted == run_mode || wanted == Mode::jog || wanted == Mode::handle;
+  };
+  if (busy() && !(held() && value >= 0 && hand_moving == 0 && !retracing && to_hand()))
+    return refused("running");
   if (!(value >= 0 && value <= static_cast<double>(Mode::remote)) || value != static_cast<int>(value))
     return refused("bad_value");
   mode = static_cast<Mode>(static_cast<int>(value));
@@ -337,6 +446,7 @@ CommandResult Controller::command(const Command& command) {
   Access access(impl_->lock, impl_->waiting);
   CommandResult result = impl_->command(command);
   impl_->state_changed();
+  if (impl_->wake_storage) impl_->wake_storage();
   return result;
 }
 
@@ -355,21 +465,30 @@ CommandResult Controller::select(std::string name, std::string revision_hash,
 
 CommandResult Controller::select_stream(std::string name, std::string revision_hash,
                                         std::unique_ptr<program::Source> stream, std::uint64_t total_bytes,
-                                        Origin origin) {
+                                        Origin origin, std::function<std::string()> why_broken) {
   if (!stream || name.empty()) return refused("bad_value");
   Selection selection;
   selection.name = std::move(name);
   selection.revision_hash = std::move(revision_hash);
   selection.stream = std::move(stream);
   selection.is_stream = true;
+  selection.why_broken = std::move(why_broken);
   selection.bytes = total_bytes;
   Access access(impl_->lock, impl_->waiting);
   return impl_->select(std::move(selection), Mode::remote, origin);
 }
 
-CommandResult Controller::jog(std::size_t axis, int direction) {
+CommandResult Controller::jog(std::size_t axis, int direction, JogSpeed speed) {
   Access access(impl_->lock, impl_->waiting);
-  return impl_->jog(axis, direction);
+  return impl_->jog(axis, direction, speed);
+}
+CommandResult Controller::retrace(double way_mm) {
+  Access access(impl_->lock, impl_->waiting);
+  return impl_->retrace_way(way_mm);
+}
+CommandResult Controller::move_plc_axis(std::size_t axis, double target_mm, double feed_mm_min) {
+  Access access(impl_->lock, impl_->waiting);
+  return impl_->move_plc_axis(axis, target_mm, feed_mm_min);
 }
 CommandResult Controller::step_axis(std::size_t axis, double distance_mm) {
   Access access(impl_->lock, impl_->waiting);
@@ -385,6 +504,11 @@ CommandResult Controller::enter_mdi(std::string text) {
 }
 void Controller::set_skip_signals(std::uint16_t signals) noexcept {
   impl_->realtime.skip_signals = signals;
+}
+
+void Controller::on_event(std::function<void()> wake) {
+  Access access(impl_->lock, impl_->waiting);
+  impl_->wake_storage = std::move(wake);
 }
 
 void Controller::link_lost() {
@@ -445,6 +569,9 @@ void Controller::count_overruns(std::uint64_t periods) noexcept {
 }
 const motion::Sample& Controller::sample() const noexcept {
   return impl_->realtime.now().sample;
+}
+axes::SimulatedSpindle& Controller::spindle() noexcept {
+  return impl_->realtime.spindle();
 }
 double Controller::spindle_rpm() const noexcept {
   return impl_->realtime.now().spindle_rpm;

@@ -6,14 +6,17 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "axes/drive.hpp"
+#include "axes/spindle.hpp"
 #include "interpreter/interpreter.hpp"
 #include "machine/machine.hpp"
 #include "motion/kernel.hpp"
+#include "operation/run_record.hpp"
 #include "plc/auxiliary.hpp"
 
 namespace headstock::operation {
@@ -57,7 +60,10 @@ enum class Action : std::uint8_t {
   set_dry_run,
   set_machine_lock,
   set_parts_required,
-  reset_parts
+  reset_parts,
+  set_axis_lock,        // value: axes whose drives keep their place, bit: axis (Z lock, MLK of single axes)
+  set_manual_absolute,  // off: what is moved by hand in a held program displaces the rest of it
+  tap_retract           // pulls a tap out that was stopped in its hole
 };
 /// The network may always stop (feed_hold, emergency_stop, disarm_remote) and set what moves nothing
 /// (set_parts_required, reset_parts); everything else is refused with "not_armed" unless the operator has
@@ -71,6 +77,7 @@ struct Command {
   Action action;
   Origin origin = Origin::panel;
   double value = 0;
+  std::string user = {};  ///< who, when known: named in the record of a run
 };
 /// `reason` is a message key (see web locales), e.g. "not_armed", "running", "alarm"; empty when accepted.
 struct CommandResult {
@@ -112,6 +119,11 @@ struct Live {
   std::uint64_t periods = 0, overruns = 0;
   std::string message;  ///< last #3006 text or comment to show
   bool coolant = false;
+  std::uint32_t axis_lock = 0;  ///< bit: axis
+  std::uint32_t homed = ~0u;    ///< axes whose reference point is known; bit: axis
+  bool manual_absolute = true;
+  bool displaced = false;           ///< a hand has moved the axes away from where the held program is
+  bool tap_in_hole = false;         ///< a tap was stopped in its hole: tap_retract pulls it out
   std::uint64_t program_bytes = 0;  ///< length of the selected program; 0 unknown
 };
 
@@ -134,12 +146,16 @@ struct RunStarted {
   std::uint64_t run;
   std::string program;
   std::string revision_hash;
+  std::uint64_t total = 0;  ///< part counter (total) when it started: the second witness of the parts made
+  std::string by = {};      ///< who pressed cycle start; empty: at the machine
 };
 struct RunEnded {
   std::uint64_t run;
-  std::string outcome;
+  std::string outcome;  // "completed" "reset" "alarm" "interrupted": the agent ended while it ran
   double run_s, cutting_s;
-};  // "completed" "reset" "alarm"
+  std::uint64_t total = 0;  ///< part counter when it ended
+  RunRecord record = {};
+};
 struct StateChanged {
   State state;
   Mode mode;
@@ -147,6 +163,8 @@ struct StateChanged {
 struct OffsetChanged {
   interp::DataChange change;
   std::string origin;
+  std::string by = {};             ///< the person, when it was one
+  std::uint64_t request = 0;       ///< the server's number of the request, 0: none
 };
 using Event =
     std::variant<PartCounted, AlarmRaised, AlarmCleared, RunStarted, RunEnded, StateChanged, OffsetChanged>;
@@ -160,6 +178,14 @@ struct Retained {
   std::uint64_t parts = 0, parts_total = 0, parts_required = 0;
   std::uint64_t last_run = 0, last_alarm = 0;
   double feed_override = 1, rapid_override = 1, spindle_override = 1;
+  bool run_open = false;  ///< a run had begun and its end was not recorded
+};
+
+/// What the storage thread takes at once.
+struct Taken {
+  std::vector<TimedEvent> events;
+  Retained retained;
+  std::optional<interp::MachineData> data;  ///< when an event is about it
 };
 
 struct ControllerOptions {
@@ -172,6 +198,9 @@ struct ControllerOptions {
   std::function<std::int64_t()>
       now_ms;  ///< none: the system clock. Unix time; called by any but the real-time thread
 };
+
+struct EditRequest;
+struct EditResult;
 
 class Controller {
  public:
@@ -191,19 +220,34 @@ class Controller {
   CommandResult select(std::string name, std::string revision_hash, std::shared_ptr<program::Programs> memory,
                        Origin origin = Origin::panel);
   /// DNC mode: run from a stream of `total_bytes` (0: unknown). It can be run once; reset drops it.
+  /// @param why_broken asked when the stream failed: a message key ("line_parity" …) that becomes the
+  /// controller's own alarm (input_alarm.hpp). Called on the look-ahead thread.
   CommandResult select_stream(std::string name, std::string revision_hash,
                               std::unique_ptr<program::Source> stream, std::uint64_t total_bytes,
-                              Origin origin = Origin::panel);
+                              Origin origin = Origin::panel, std::function<std::string()> why_broken = {});
   // Moving by hand. The machine's own panel only: there is no way from the network to these.
-  /// Jog mode: moves the axis while the button is down; `direction` 1, -1, or 0 when it is let go. Feed:
-  /// parameter 1423 of the axis' manual feed [mm/min] if set, times the feed override. Stops at the stored
-  /// stroke limit.
-  CommandResult jog(std::size_t axis, int direction);
+  //
+  // In a held or stopped program (manual intervention): choose jog or handle mode, move, choose the mode of
+  // the program again, cycle start. The axes first go back to where they were, at the dry-run feed, then the
+  // program goes on; with manual absolute off it goes on displaced by what the hand has moved.
+  enum class JogSpeed : std::uint8_t { feed, rapid };
+  /// Jog mode: moves the axis while the button is down; `direction` 1, -1, or 0 when it is let go. Several
+  /// axes may move at once. Feed: parameter 1423 of the axis [mm/min] if set, times the feed override; rapid:
+  /// 1424 or the rapid rate, times the rapid override. Stops at the stored stroke limit, and before a
+  /// forbidden zone.
+  CommandResult jog(std::size_t axis, int direction, JogSpeed speed = JogSpeed::feed);
   /// Jog mode (incremental feed) or handle mode: moves by this distance [mm, degrees]; more may be given
-  /// while it moves, on the same axis. What does not fit inside the travel is refused.
+  /// while it moves. What does not fit inside the travel is refused.
   CommandResult step_axis(std::size_t axis, double distance_mm);
-  /// Reference mode: to reference point 1 at rapid rate (absolute encoder: no dog is looked for).
+  /// Reference mode: to reference point 1 at rapid rate; an axis without an absolute encoder over its dog to
+  /// the zero mark the first time.
   CommandResult reference_return(std::size_t axis);
+  /// Handle mode, in a held program: along the path that was traced, < 0 back, > 0 forward, but not beyond
+  /// where the program was held [mm, degrees like mm]. Feed hold stops it; cycle start goes forward to the
+  /// hold first.
+  CommandResult retrace(double way_mm);
+  /// The ladder moves one of its axes (`[axis.B] plc = true`); also while a program runs. Any thread.
+  CommandResult move_plc_axis(std::size_t axis, double target_mm, double feed_mm_min);
   /// MDI mode: the block that cycle start carries out, once.
   CommandResult enter_mdi(std::string text);
   /// The skip inputs as they are now (interp::Feed::skip_signals); any thread, takes effect in the next
@@ -218,10 +262,19 @@ class Controller {
   /// Changes offsets or parameters by hand. Refused while running.
   CommandResult edit_data(const std::function<void(interp::MachineData&)>& edit,
                           const interp::DataChange& change, const std::string& origin);
+  /// Writes values by name, all of them or none, if the controller's rules allow it now (dialects/data_rules)
+  /// and each still has the value that the person saw. See operation/data_edit.hpp.
+  EditResult edit_values(const EditRequest& request);
 
   // ---- storage thread: take events, commit them, then say so (the part count's M30 is finished only after
   // that)
   bool take_event(TimedEvent& out);
+  /// Called when there is an event to take or a retained value may have changed, on the thread that made it, under the
+  /// controller's lock: it may only wake somebody. Set before the first work().
+  void on_event(std::function<void()> wake);
+  /// All events there are with the values that belong to them, of one instant: a value is never on the disk
+  /// without the event that tells of it.
+  Taken take_events();
   /// @param events how many of the events taken are on the disk now, in total since the controller was made.
   void committed(std::uint64_t events);
 
@@ -238,6 +291,8 @@ class Controller {
   /// The period just made.
   const motion::Sample& sample() const noexcept;
   double spindle_rpm() const noexcept;
+  /// Turned since the start, not reduced to one turn; with its faults (load) for tests.
+  axes::SimulatedSpindle& spindle() noexcept;
   /// Is the segment being traced a cutting one?
   bool cutting() const noexcept;
   /// Block of the segment being traced.

@@ -2,12 +2,15 @@
 // look-ahead gives the lock away between pieces of work whenever somebody waits for it.
 #pragma once
 
+#include <atomic>
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <vector>
 
 #include "axes/forbidden_zone.hpp"
 #include "operation/controller.hpp"
+#include "operation/data_edit.hpp"
 #include "operation/macro_environment.hpp"
 #include "operation/motion_feed.hpp"
 #include "operation/overtravel_alarm.hpp"
@@ -21,6 +24,9 @@ enum class Await : std::uint8_t {
   nothing,
   function,  ///< M, S, T finished
   dwell,
+  tap,           ///< the tap is out again
+  polygon,       ///< the tool axis is coupled to the spindle, or let go
+  park,          ///< the kernel is to be given the position that a tap ended at
   skip,          ///< G31 over: by its signal or at its end
   block_stop,    ///< single block: the axes stand at the block's end
   program_stop,  ///< M00, M01
@@ -45,8 +51,22 @@ struct Selection {
   std::shared_ptr<program::Programs> memory;
   std::unique_ptr<program::Source> stream;  // drip-feed; taken at cycle start
   bool is_stream = false;
+  std::function<std::string()> why_broken;  // of the stream; see input_alarm.hpp
   std::uint64_t bytes = 0;
   bool unseen = false;  // chosen over the network, nobody at the machine has seen it
+};
+
+/// Takes the lock from the look-ahead thread, which lets go between pieces of work when somebody waits for it.
+class Access {
+ public:
+  Access(std::mutex& mutex, std::atomic<int>& waiting) : guard_(mutex, std::defer_lock) {
+    waiting.fetch_add(1, std::memory_order_relaxed);
+    guard_.lock();
+    waiting.fetch_sub(1, std::memory_order_relaxed);
+  }
+
+ private:
+  std::unique_lock<std::mutex> guard_;
 };
 
 struct Controller::Impl {
@@ -61,6 +81,11 @@ struct Controller::Impl {
   CommandResult set_mode(double value);
   CommandResult select(Selection selection, Mode mode, Origin origin);
   CommandResult start_run(Selection& chosen);
+  CommandResult resume();
+  void go_on();
+  double rapid_f0() const;
+  EditResult edit_values(const EditRequest& request);  // data_edit.cpp
+  bool emergency_braking() const { return emergency && phase == Phase::aborting; }
   bool busy() const {
     return phase == Phase::running || phase == Phase::stopped || phase == Phase::aborting ||
            phase == Phase::manual;
@@ -69,13 +94,34 @@ struct Controller::Impl {
 
   // ---- manual.cpp: moving by hand
   CommandResult mdi(std::string text);
-  CommandResult jog(std::size_t axis, int direction);
+  CommandResult jog(std::size_t axis, int direction, JogSpeed speed);
   CommandResult step(std::size_t axis, double distance_mm);
   CommandResult reference(std::size_t axis);
-  CommandResult may_move_by_hand(std::size_t axis, Mode needed) const;
-  void move_by_hand(std::size_t axis, double target_mm, double feed_mm_min);
-  void end_manual(bool as_soon_as_possible);
+  CommandResult may_move_by_hand(std::size_t axis, Mode needed);
+  CommandResult move_plc_axis(std::size_t axis, double target_mm, double feed_mm_min);
+  CommandResult tap_retract();
+  CommandResult retrace_way(double way_mm);
+  double retrace_feed_mm_s() const;
+  bool work_retrace();
+  void end_retrace();
+  void move_by_hand(std::size_t axis, const HandOrder& order);
+  void stop_hands();
+  void go_back();
   bool work_manual();
+  bool work_return();
+  /// The axes of a hand or a ladder have done what they were told.
+  bool hands_done(std::uint32_t axes);
+  /// What hands have added to where the kernel stands; nothing before the real-time part has taken up a
+  /// position that has just been set.
+  double hand_offset(std::size_t axis);
+  AxisVector standing();
+  bool displaced();
+  bool held() const;  ///< a program stands in feed hold or at a stop: a hand may intervene
+  bool take_over_hands();
+  double manual_feed(std::size_t axis) const;
+  /// How far the axis may be moved in this direction before a limit or a forbidden zone.
+  double reach(std::size_t axis, int direction);
+  double hand_position(std::size_t axis);
 
   // ---- sequencer.cpp: from operations to moves and interludes
   bool work();
@@ -89,7 +135,21 @@ struct Controller::Impl {
   void after_abort();
   void stop_with(const MachineAlarm& alarm, const interp::SourcePosition& at, std::string detail);
   std::optional<MachineAlarm> before_motion(const interp::Operation& taken);
+  std::optional<MachineAlarm> before_tap(const interp::Tap& tap);
+  void take_tap(const interp::Tap& tap);
+  /// Stored stroke checks 2 and 3, as far as they are on.
+  std::vector<axes::Zone> zones() const;
+  bool has_third_zone() const;
+  std::optional<MachineAlarm> forbidden(const AxisVector& from,
+                                        const std::variant<motion::Line, motion::Arc>& geometry) const;
+  void take_polygon(const interp::PolygonTurning& polygon);
+  void tap_done();
+  void park();
+  bool work_park();
+  void drop_park();
+  void machine_fault(const axes::Fault& fault);
   void skip_over();
+  MachineAlarm broken_input() const;
 
   // ---- report.cpp: alarms, events, live
   void raise(const std::string& code, const std::string& detail, const interp::SourcePosition& at,
@@ -111,7 +171,9 @@ struct Controller::Impl {
   MacroEnvironment macro_environment;
   interp::Interpreter interpreter;
   MotionFeed feed;
+  Retrace retrace;
   std::function<void(const interp::Operation&)> observer;
+  std::function<void()> wake_storage;
 
   std::mutex lock;
   std::atomic<int> waiting{0};  // threads that want the lock from the look-ahead
@@ -120,26 +182,45 @@ struct Controller::Impl {
   Phase phase = Phase::idle;
   bool emergency = false;
   bool armed = false;
-  bool hand_off = false;           // the button of a jog has been let go
-  std::uint64_t manual_since = 0;  // period of the last change by hand
-  bool unlocked = false;           // machine lock has just been taken off
+  Mode run_mode = Mode::memory;     // of the program that a hand intervenes in
+  bool parking = false;             // by hand: the kernel is being given the new position
+  std::uint64_t retrace_since = 0;  // period in which the way was given
+  bool retracing = false;           // the axes move along what was traced
+  bool returning = false;           // to where a hand has taken the axes from
+  bool manual_absolute = true;
+  bool tripped = false;     // a fault has switched the drives off …
+  bool trip_reset = false;  // … RESET switches them on, once the measured position is taken over
+  bool releasing = false;   // the emergency stop, once the measured position is taken over
+  std::uint32_t faults_seen = 0;
+  std::uint64_t set_since = 0;      // period in which the kernel got its position last
+  bool resume_with_go = false;      // the program stands at a stop, not in feed hold
+  AxisVector hand_goal{};           // where hands have sent the axes
+  std::uint32_t hand_moving = 0;    // axes that a hand has sent somewhere; bit: axis
+  std::uint32_t hand_stopped = 0;   // axes that were let go and may still be moving
+  const std::uint32_t plc_axes;     // bit: axis
+  bool unlocked = false;            // machine lock has just been taken off
+  std::uint32_t unlocked_axes = 0;  // the same for single axes
   interp::Switches switches;
   bool single_block = false, optional_stop = false, block_skip = false, dry_run = false;
   Selection selection;
   Selection mdi_block;  // typed in MDI mode
   const bool skip_input;
   std::optional<axes::Zone> zone;  // stored stroke check 2, when on
+  axes::TapOrder last_tap;
+  bool polygon_on = false, polygon_let_go = false;
   Retained retained;
   std::vector<ActiveAlarm> alarms;
   std::string message;
 
   // the run under way
   bool run_open = false;
+  RunRecord run_record;
+  std::string run_by;  // of the next or the present run
   Await await = Await::nothing;
   interp::Operation operation;  // pulled, not yet taken up
   bool has_operation = false;
   bool new_block = false;             // the operation taken up begins a block
-  bool calculating = false;  // a macro goes on with its calculation as soon as others had the lock
+  bool calculating = false;           // a macro goes on with its calculation as soon as others had the lock
   interp::SourcePosition last_block;  // of the last operation taken up; line 0: none
   std::shared_ptr<TextWindow> main_window;
   std::uint32_t main_program = 0;

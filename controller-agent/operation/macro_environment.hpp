@@ -1,5 +1,5 @@
-// What macros may ask of the running machine: time goes on, and what looks at the machine waits for a standstill.
-// Look-ahead thread, under the controller's lock.
+// What macros may ask of the running machine: time goes on, and what looks at the machine waits for a
+// standstill. Look-ahead thread, under the controller's lock.
 #pragma once
 
 #include <atomic>
@@ -14,8 +14,7 @@ namespace headstock::operation {
 class MacroEnvironment final : public macro::Environment {
  public:
   /// @param waiting threads that want the controller's lock.
-  MacroEnvironment(Realtime& realtime, Retained& retained, const std::atomic<int>& waiting,
-                   double period_s)
+  MacroEnvironment(Realtime& realtime, Retained& retained, const std::atomic<int>& waiting, double period_s)
       : realtime_(realtime), retained_(retained), waiting_(waiting), period_ms_(period_s * 1e3) {}
 
   bool takes_time() const override { return true; }
@@ -27,7 +26,9 @@ class MacroEnvironment final : public macro::Environment {
   double clock_hours() override;
   void set_clock_hours(double value) override;
   double parts_made() override { return static_cast<double>(retained_.parts); }
-  void set_parts_made(double value) override { retained_.parts = static_cast<decltype(retained_.parts)>(value); }
+  void set_parts_made(double value) override {
+    retained_.parts = static_cast<decltype(retained_.parts)>(value);
+  }
 
  private:
   double running_hours();

@@ -38,9 +38,96 @@ std::optional<MachineAlarm> thread_alarm(const machine::Machine& machine, const 
   return run_up > longest ? std::optional(kTooShort) : std::nullopt;
 }
 
-MachineAlarm zone_alarm(bool positive) {
-  return positive ? MachineAlarm{"OT0502", "+ overtravel (soft limit 2)", "正向超程（软限位 2）"}
-                  : MachineAlarm{"OT0503", "- overtravel (soft limit 2)", "负向超程（软限位 2）"};
+MachineAlarm zone_alarm(std::size_t check, bool positive) {
+  if (check == 2)
+    return positive ? MachineAlarm{"OT0502", "+ overtravel (soft limit 2)", "正向超程（软限位 2）"}
+                    : MachineAlarm{"OT0503", "- overtravel (soft limit 2)", "负向超程（软限位 2）"};
+  return positive ? MachineAlarm{"OT0504", "+ overtravel (soft limit 3)", "正向超程（软限位 3）"}
+                  : MachineAlarm{"OT0505", "- overtravel (soft limit 3)", "负向超程（软限位 3）"};
+}
+
+MachineAlarm before_move_alarm(bool positive) {
+  return positive ? MachineAlarm{"OT0510", "+ overtravel (before move)", "正向超程（移动前检查）"}
+                  : MachineAlarm{"OT0511", "- overtravel (before move)", "负向超程（移动前检查）"};
+}
+
+namespace {
+
+enum class Refusal : std::uint8_t { not_homed, slave, ladder, not_contour, tap_speed, tap_feed };
+struct Row {
+  std::string_view profile;  // beginning of the profile's name; empty: every other
+  Refusal refusal;
+  MachineAlarm alarm;
+};
+constexpr Row kRefusals[] = {
+    {"fanuc", Refusal::not_homed, {"PS0224", "Return to reference point", "请返回参考点"}},
+    {"gsk-2000tc",
+     Refusal::not_homed,
+     {"225", "Reference return needed before motion", "未回参考点，不能移动"}},
+    {"", Refusal::not_homed, {"HS0025", "Reference return needed before motion", "未回参考点，不能移动"}},
+    {"fanuc", Refusal::slave, {"PS0213", "Illegal command in synchro-mode", "同步方式中的非法指令"}},
+    {"",
+     Refusal::slave,
+     {"HS0026", "A synchronous axis is not commanded by itself", "同步从动轴不能单独指令"}},
+    {"fanuc", Refusal::ladder, {"PS0130", "NC and PMC axis conflict", "NC 轴与 PMC 轴冲突"}},
+    {"", Refusal::ladder, {"HS0027", "This axis is moved by the ladder", "该轴由梯形图控制"}},
+    {"fanuc", Refusal::not_contour, {"PS0197", "C-axis commanded in spindle mode", "主轴方式中指令了 C 轴"}},
+    {"",
+     Refusal::not_contour,
+     {"HS0028", "C axis commanded while the spindle is under speed control", "主轴速度方式中指令了 C 轴"}},
+    {"fanuc", Refusal::tap_speed, {"PS0200", "Illegal S code command", "S 代码指令非法"}},
+    {"gsk-2000tc", Refusal::tap_speed, {"182", "S above the maximum of tapping", "S 超过攻丝最高转速"}},
+    {"",
+     Refusal::tap_speed,
+     {"HS0029", "Tapping: spindle speed missing or above what it can do", "攻丝：主轴转速未指令或超过上限"}},
+    {"gsk-2000tc",
+     Refusal::tap_feed,
+     {"011", "Tapping: F x S above the cutting feed", "攻丝：F×S 超过切削进给上限"}},
+    {"k2000tc", Refusal::tap_feed, {"SV3", "Command rate too high", "指令脉冲频率过高"}},
+    {"",
+     Refusal::tap_feed,
+     {"HS0003", "Lead times speed is above the feed of the axis", "螺距与转速之积超过轴的进给上限"}},
+};
+
+MachineAlarm refusal(const machine::Machine& machine, Refusal what) {
+  for (const Row& row : kRefusals)
+    if (row.refusal == what && std::string_view(machine.profile).starts_with(row.profile)) return row.alarm;
+  return {};
+}
+
+}  // namespace
+
+std::optional<MachineAlarm> axis_alarm(const machine::Machine& machine, std::size_t axis, bool homed,
+                                       bool contour) {
+  const machine::Axis& data = machine.axes[axis];
+  if (data.follows != 0) return refusal(machine, Refusal::slave);
+  if (data.plc) return refusal(machine, Refusal::ladder);
+  if (!homed) return refusal(machine, Refusal::not_homed);
+  if (data.name == machine.spindle.contour_axis && !contour) return refusal(machine, Refusal::not_contour);
+  return std::nullopt;
+}
+
+std::optional<MachineAlarm> tap_alarm(const machine::Machine& machine, std::size_t axis, double pitch_mm,
+                                      double rpm, bool rigid) {
+  const machine::Spindle& spindle = machine.spindle;
+  const double most =
+      rigid && spindle.tap_rpm > 0 ? std::min(spindle.tap_rpm, spindle.max_rpm) : spindle.max_rpm;
+  if (!(rpm > 0) || rpm > most * (1 + 1e-9)) return refusal(machine, Refusal::tap_speed);
+  if (!(pitch_mm > 0) || rpm * pitch_mm > machine.axes[axis].max_feed_mm_min * (1 + 1e-9))
+    return refusal(machine, Refusal::tap_feed);
+  return std::nullopt;
+}
+
+MachineAlarm homing_alarm() {
+  return {"PS0090", "Reference return incomplete: too fast for the dog", "返回参考点未完成：减速挡块过短"};
+}
+
+MachineAlarm polygon_alarm() {
+  return {"PS5018", "Polygon spindle speed error", "多边形主轴速度错误"};
+}
+
+MachineAlarm tap_across_alarm() {
+  return {"HS0030", "A tap moves along one axis only", "攻丝只能沿一个轴"};
 }
 
 }  // namespace headstock::operation

@@ -17,7 +17,25 @@ std::optional<MachineAlarm> thread_alarm(const machine::Machine& machine, const 
                                          const motion::Move& move, const motion::ThreadFeed& thread,
                                          double rpm);
 
-/// Stored stroke check 2: OT0502, OT0503 (0i-D L73422).
-MachineAlarm zone_alarm(bool positive);
+/// Stored stroke checks 2 and 3: OT0502…OT0505 (0i-D L73422, L73432). @param check 2 or 3
+MachineAlarm zone_alarm(std::size_t check, bool positive);
+/// Stroke check before move: OT0510, OT0511 (0i-D L73457).
+MachineAlarm before_move_alarm(bool positive);
+
+/// An axis that no program may move now: without a reference point (0i-D PS0224), a synchronous slave
+/// (PS0213), one of the ladder (PS0130), the Cs axis while the spindle is under speed control (PS0197).
+std::optional<MachineAlarm> axis_alarm(const machine::Machine& machine, std::size_t axis, bool homed,
+                                       bool contour);
+
+/// A tap that spindle or axis cannot follow: speed above the spindle's in tapping (0i-D PS0200, GSK 2000TC
+/// 182), lead × speed above the feed of the axis (GSK 2000TC 011, K2000TC SV3), no speed at all.
+std::optional<MachineAlarm> tap_alarm(const machine::Machine& machine, std::size_t axis, double pitch_mm,
+                                      double rpm, bool rigid);
+/// Reference return has found no safe zero mark (0i-D PS0090).
+MachineAlarm homing_alarm();
+/// Polygon turning faster than the tool axis turns (0i-D PS5018).
+MachineAlarm polygon_alarm();
+/// A tap along more than one axis.
+MachineAlarm tap_across_alarm();
 
 }  // namespace headstock::operation

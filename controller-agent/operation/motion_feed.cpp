@@ -1,9 +1,11 @@
 #include "operation/motion_feed.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "operation/macro_control.hpp"
 #include "operation/path_length.hpp"
 
 namespace headstock::operation {
@@ -22,6 +24,8 @@ const interp::Motion kNoMotion{};
 
 // A move whose tag nobody could see: shorter than any axis can resolve.
 constexpr double kNoMove_mm = 1e-9;
+// How far a positioning that is not interpolated cuts its corners.
+constexpr double kRoundest_mm = 2;
 
 struct PlaneAxes {
   char first, second;
@@ -62,7 +66,7 @@ bool is_motion(const interp::Operation& operation) {
 }
 
 bool blocks_differ(const interp::SourcePosition& a, const interp::SourcePosition& b) {
-  return a.program != b.program || a.line != b.line || a.byte_offset != b.byte_offset;
+  return a.program != b.program || a.line != b.line || a.byte_offset != b.byte_offset || a.part != b.part;
 }
 
 const interp::Motion& motion_of(const interp::Operation& operation) {
@@ -77,8 +81,10 @@ const interp::Motion& motion_of(const interp::Operation& operation) {
 }
 
 void MotionFeed::set_position(const AxisVector& position) {
+  const AxisVector position_before = position_;
   position_ = position;
   held_back_.reset();
+  if (history_ != nullptr && position != position_before) history_->forget();
   last_tag_ = 0;
 }
 
@@ -87,7 +93,7 @@ motion::Move MotionFeed::make(const interp::Operation& operation) const {
   move.tolerance_mm = machine_.tolerance_mm;
   const interp::Motion& common = motion_of(operation);
   move.geometry = motion::Line{common.end_machine};
-  move.exact_stop = common.exact_stop;
+  move.exact_stop = common.exact_stop && !MacroControl(common.modal.macro_control).no_exact_stop;
 
   const auto set_feed = [&](double feed, interp::FeedUnit unit) {
     if (rules_.dry_run) {
@@ -137,55 +143,116 @@ motion::Move MotionFeed::make(const interp::Operation& operation) const {
   return move;
 }
 
+std::vector<motion::Move> MotionFeed::moves(const interp::Operation& operation) const {
+  const motion::Move whole = make(operation);
+  const auto* rapid = std::get_if<interp::Rapid>(&operation);
+  if (rapid == nullptr || rapid->linear) return {whole};
+  const AxisVector& end = std::get<motion::Line>(whole.geometry).end;
+  // When each axis is there, at its own rate.
+  std::array<double, machine::kMaxAxes> time{};
+  std::vector<double> ends;
+  for (std::size_t i = 0; i < machine_.axes.size(); ++i) {
+    time[i] = std::abs(end[i] - position_[i]) / (machine_.axes[i].rapid_mm_min / 60);
+    if (time[i] > 0) ends.push_back(time[i]);
+  }
+  std::sort(ends.begin(), ends.end());
+  // Axes that arrive together make one leg.
+  constexpr double kTogether_s = 1e-3;
+  std::vector<motion::Move> legs;
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    const bool last = k + 1 == ends.size();
+    if (!last && ends[k + 1] - ends[k] < kTogether_s) continue;
+    motion::Move leg = whole;
+    AxisVector& to = std::get<motion::Line>(leg.geometry).end;
+    for (std::size_t i = 0; i < machine_.axes.size(); ++i)
+      if (time[i] > ends[k]) to[i] = position_[i] + (end[i] - position_[i]) * (ends[k] / time[i]);
+    legs.push_back(leg);
+  }
+  if (legs.size() < 2) return {whole};
+  AxisVector from = position_;
+  std::vector<double> length;
+  for (motion::Move& leg : legs) {
+    length.push_back(path_length(from, leg));
+    from = end_of(leg);
+    leg.free_path = true;
+  }
+  // The axes do not wait for each other: the corner is as round as the way to it allows.
+  for (std::size_t k = 0; k + 1 < legs.size(); ++k) {
+    legs[k].exact_stop = false;
+    legs[k].block_end = false;
+    legs[k].tolerance_mm =
+        std::max(machine_.tolerance_mm, std::min(kRoundest_mm, std::min(length[k], length[k + 1]) / 8));
+  }
+  return legs;
+}
+
 std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operation,
                                                 std::uint64_t main_offset) {
-  motion::Move move = make(operation);
+  std::vector<motion::Move> parts = moves(operation);
   const bool rapid = std::holds_alternative<interp::Rapid>(operation);
-  auto overtravel = axes::find_overtravel(machine_, position_, move.geometry);
-  if (overtravel) {
-    move.geometry = overtravel->allowed;
-    move.exact_stop = true;
-  } else if (axes::near_limit(machine_, position_, move.geometry, move.tolerance_mm)) {
-    move.exact_stop = true;  // a rounded corner must not bulge past the limit
-  }
-  if (path_length(position_, move) <= kNoMove_mm) return overtravel;
-
   const interp::Motion& common = motion_of(operation);
-  if (held_back_) {
-    if (rapid) held_back_->exact_stop = true;
-    held_back_->block_end = blocks_differ(held_block_, common.at);
+  std::optional<axes::Overtravel> overtravel;
+  std::uint64_t tag = 0;
+  for (std::size_t k = 0; k < parts.size() && !overtravel; ++k) {
+    motion::Move& move = parts[k];
+    overtravel = axes::find_overtravel(machine_, position_, move.geometry);
+    if (overtravel) {
+      move.geometry = overtravel->allowed;
+      move.exact_stop = true;
+    } else if (axes::near_limit(machine_, position_, move.geometry, move.tolerance_mm) && !move.free_path) {
+      move.exact_stop = true;  // a rounded corner must not bulge past the limit
+    }
+    if (path_length(position_, move) <= kNoMove_mm) continue;
+    if (tag == 0) {
+      if (held_back_) {
+        if (rapid) held_back_->exact_stop = true;
+        held_back_->block_end = blocks_differ(held_block_, common.at);
+      }
+      flush();
+      SegmentState& entry = tags_.append();
+      entry.at = common.at;
+      entry.modal = common.modal;
+      entry.main_offset = main_offset;
+      entry.cycle = common.cycle;
+      entry.cutting = !rapid;
+      entry.end = end_of(parts.back());
+      entry.has_end = true;
+      const MacroControl control(common.modal.macro_control);
+      const bool tapping = common.cutting_mode == interp::CuttingMode::tapping && !rapid;
+      entry.not_held = tapping || control.no_hold;
+      entry.fixed_feed = tapping || control.no_override;
+      entry.no_single_block = control.no_single_block;
+      if (const auto* probe = std::get_if<interp::Feed>(&operation); probe && probe->skip_signals != 0) {
+        entry.skip_signals = probe->skip_signals;
+        entry.fixed_feed = !probe->skip_overridable;
+      }
+      tag = entry.tag;
+    } else {
+      flush();
+    }
+    held_block_ = common.at;
+    move.tag = last_tag_ = tag;
+    held_start_ = position_;
+    position_ = end_of(move);
+    held_back_ = move;
   }
-  flush();
-  held_block_ = common.at;
-  SegmentState& entry = tags_.append();
-  entry.at = common.at;
-  entry.modal = common.modal;
-  entry.main_offset = main_offset;
-  entry.cycle = common.cycle;
-  entry.cutting = !rapid;
-  entry.not_held = entry.fixed_feed = common.cutting_mode == interp::CuttingMode::tapping && !rapid;
-  if (const auto* probe = std::get_if<interp::Feed>(&operation); probe && probe->skip_signals != 0) {
-    entry.skip_signals = probe->skip_signals;
-    entry.fixed_feed = !probe->skip_overridable;
-  }
-  move.tag = last_tag_ = entry.tag;
-  position_ = end_of(move);
-  held_back_ = move;
   return overtravel;
 }
 
-void MotionFeed::add_manual(const motion::Move& move) {
-  motion::Move whole = move;
-  whole.exact_stop = true;
-  whole.tag = last_tag_ = tags_.append().tag;
-  position_ = end_of(whole);
-  held_back_ = whole;
-  finish();
+std::uint64_t MotionFeed::add_tag(const interp::Motion& motion, std::uint64_t main_offset) {
+  SegmentState& entry = tags_.append();
+  entry.at = motion.at;
+  entry.modal = motion.modal;
+  entry.main_offset = main_offset;
+  entry.cycle = motion.cycle;
+  entry.cutting = true;
+  return entry.tag;
 }
 
 void MotionFeed::flush() {
   if (!held_back_) return;
   kernel_.push(*held_back_);
+  if (history_ != nullptr) history_->record(held_start_, *held_back_);
   if (observer_) observer_(*held_back_);
   held_back_.reset();
 }

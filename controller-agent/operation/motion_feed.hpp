@@ -4,11 +4,13 @@
 
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "axes/travel_limits.hpp"
 #include "interpreter/canonical.hpp"
 #include "machine/machine.hpp"
 #include "motion/kernel.hpp"
+#include "operation/retrace.hpp"
 #include "operation/tag_ring.hpp"
 
 namespace headstock::operation {
@@ -37,10 +39,15 @@ class MotionFeed {
   void set_rules(const FeedRules& rules) { rules_ = rules; }
 
   /// Room for one more move? `traced`: tag being traced.
-  bool has_room(std::uint64_t traced) const { return kernel_.can_push() && tags_.has_room(traced); }
+  bool has_room(std::uint64_t traced) const {
+    return kernel_.room() >= machine::kMaxAxes && tags_.has_room(traced);
+  }
 
   /// The kernel's move for an operation; nothing is handed over. Precondition: is_motion().
   motion::Move make(const interp::Operation& operation) const;
+  /// The moves of an operation: several for a positioning that is not interpolated (0i-D No. 1401#1 = 0),
+  /// where every axis goes at its own rapid rate until it is there; otherwise one.
+  std::vector<motion::Move> moves(const interp::Operation& operation) const;
   /// Hands a move to the kernel. Precondition: has_room(), is_motion().
   /// @return what limit it would pass: then only the part before the limit has been handed over, with a stop
   /// at its end.
@@ -51,11 +58,13 @@ class MotionFeed {
   /// Something else than a move comes next: the last move ends at rest.
   void finish();
 
+  /// What the kernel gets is kept here, for retracing it.
+  void set_history(Retrace* history) { history_ = history; }
   /// Called with every move as the kernel gets it. For virtual time: judging the commanded path.
   void on_move(std::function<void(const motion::Move&)> observer) { observer_ = std::move(observer); }
 
-  /// A move by hand, from where the axes stand: no block, no rounding. Precondition: has_room().
-  void add_manual(const motion::Move& move);
+  /// What rides on a tap, which the kernel does not carry out. Precondition: has_room().
+  std::uint64_t add_tag(const interp::Motion& motion, std::uint64_t main_offset);
 
   /// Tag of the last move handed over; 0 when none since set_position().
   std::uint64_t last_tag() const { return last_tag_; }
@@ -73,6 +82,8 @@ class MotionFeed {
   // before G00), so the end of a move is known only when the next one is.
   std::optional<motion::Move> held_back_;
   std::function<void(const motion::Move&)> observer_;
+  AxisVector held_start_{};
+  Retrace* history_ = nullptr;
   interp::SourcePosition held_block_;  // of held_back_
 };
 

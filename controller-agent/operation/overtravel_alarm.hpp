@@ -20,7 +20,8 @@ MachineAlarm overtravel_alarm(std::string_view profile, char axis, bool positive
 /// alarm: the controllers themselves just stand still here and leave the operator guessing.
 MachineAlarm starved_message();
 
-/// The last tool of a tool life group is spent (signal TLCH). A message: the part under way is finished with it.
+/// The last tool of a tool life group is spent (signal TLCH). A message: the part under way is finished with
+/// it.
 MachineAlarm tool_life_message();
 
 /// An M code that waits for an input port, or acts after a delay or at a position, on a machine whose PLC

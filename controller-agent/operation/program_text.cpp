@@ -21,6 +21,8 @@ class WindowedSource final : public program::Source {
       window_->append(offset_, {buffer.data(), result.bytes});
       offset_ += result.bytes;
     }
+    if (result.status == program::ReadStatus::failed) window_->broken = true;
+    if (result.status != program::ReadStatus::wait) window_->arrived = true;
     return result;
   }
   bool seek(std::uint64_t byte_offset) override {
@@ -66,6 +68,7 @@ std::unique_ptr<program::Source> windowed(std::unique_ptr<program::Source> sourc
 void WindowedPrograms::select(std::shared_ptr<program::Programs> memory) {
   memory_ = std::move(memory);
   windows_.clear();
+  external_.reset();
 }
 
 std::unique_ptr<program::Source> WindowedPrograms::open_number(std::uint32_t number) {
@@ -74,6 +77,16 @@ std::unique_ptr<program::Source> WindowedPrograms::open_number(std::uint32_t num
   if (windows_.size() >= kMostSubprograms && !windows_.contains(number)) return source;
   auto& window = windows_[number];
   if (!window) window = std::make_shared<TextWindow>();
+  return windowed(std::move(source), window);
+}
+
+std::unique_ptr<program::Source> WindowedPrograms::open_external(std::uint32_t number) {
+  auto source = memory_ ? memory_->open_external(number) : nullptr;
+  if (!source) return nullptr;
+  if (windows_.size() >= kMostSubprograms) windows_.clear();
+  // Not the window of a resident program of that number.
+  auto& window = windows_[number] = std::make_shared<TextWindow>();
+  external_ = window;
   return windowed(std::move(source), window);
 }
 

@@ -19,6 +19,9 @@ class TextWindow {
   /// The line that begins at this byte, without its end, at most 200 bytes; empty when it is not in the
   /// window any more.
   std::string line_at(std::uint64_t offset) const;
+  /// The source behind it broke: what the interpreter says next is about that.
+  bool broken = false;
+  bool arrived = false;  ///< something of it has been read
 
  private:
   // Look-ahead of 4096 blocks at 100 bytes, and what the reader takes in one piece.
@@ -37,14 +40,18 @@ class WindowedPrograms final : public program::Programs {
  public:
   void select(std::shared_ptr<program::Programs> memory);
   std::unique_ptr<program::Source> open_number(std::uint32_t number) override;
+  std::unique_ptr<program::Source> open_external(std::uint32_t number) override;
   std::unique_ptr<program::Source> open_name(std::string_view name) override;
   /// Text of a sub-program's line; empty when unknown.
   std::string line_at(std::uint32_t program, std::uint64_t offset) const;
+  /// A program was asked for outside (M198) and nothing of it has come yet.
+  bool awaited() const { return external_ && !external_->arrived; }
   bool knows(std::uint32_t program) const { return windows_.contains(program); }
 
  private:
   std::shared_ptr<program::Programs> memory_;
   std::map<std::uint32_t, std::shared_ptr<TextWindow>> windows_;
+  std::shared_ptr<TextWindow> external_;  // of the last M198
 };
 
 /// Length of a source in bytes, by reading it to its end; 0 when it cannot be read.

@@ -38,6 +38,7 @@ void Controller::Impl::raise(const std::string& code, const std::string& detail,
   alarm.raised_ms = now_ms();
   alarm.message = is_message;
   alarms.push_back(alarm);
+  if (!is_message) ++run_record.alarms;
   emit(AlarmRaised{alarm, block_text(at)});
 }
 
@@ -52,6 +53,7 @@ void Controller::Impl::clear_alarms(bool messages_only) {
 void Controller::Impl::emit(Event event) {
   events.push_back({now_ms(), std::move(event)});
   ++events_made;
+  if (wake_storage) wake_storage();
 }
 
 void Controller::Impl::state_changed() {
@@ -92,7 +94,9 @@ Live Controller::Impl::live() {
   const bool in_run = phase == Phase::running || phase == Phase::stopped || phase == Phase::faulted;
   // Between moves (dwell, M code, stop) the block that is being carried out is the one taken up last, and it
   // is exact: nothing is taken up before what was before it is done.
-  const bool between = in_run && await != Await::nothing && await != Await::block_stop && !now.sample.moving;
+  const bool traced = feed.last_tag() == 0 || (now.sample.tag == feed.last_tag() && now.sample.queue_empty);
+  const bool between =
+      in_run && await != Await::nothing && await != Await::block_stop && !now.sample.moving && traced;
   const interp::ModalSnapshot& modal = segment.tag != 0 && in_run ? segment.modal : interpreter.modal();
 
   Live live;
@@ -107,7 +111,9 @@ Live Controller::Impl::live() {
     if (code >= 0) live.modal.push_back(g_code_name(code));
   live.tool = modal.tool;
   live.offset = modal.offset;
-  const AxisVector shown = realtime.machine_lock ? now.sample.position : now.actual;
+  AxisVector shown = realtime.machine_lock ? now.sample.position : now.actual;
+  for (std::size_t i = 0; i < machine.axes.size(); ++i)
+    if ((realtime.axis_lock.load() >> i & 1) != 0) shown[i] = now.sample.position[i];
   live.machine = shown;
   live.absolute = live.relative = interpreter.to_work(shown, modal);
   for (std::size_t i = 0; i < machine.axes.size(); ++i) {
@@ -147,6 +153,11 @@ Live Controller::Impl::live() {
   live.periods = now.periods;
   live.overruns = realtime.overruns;
   live.message = message;
+  live.axis_lock = realtime.axis_lock;
+  live.homed = realtime.homed;
+  live.manual_absolute = manual_absolute;
+  live.displaced = displaced();
+  live.tap_in_hole = now.tap_in_hole;
   live.coolant = now.machine.coolant || now.machine.mist;
   return live;
 }

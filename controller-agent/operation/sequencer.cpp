@@ -5,7 +5,8 @@
 #include <utility>
 
 #include "operation/controller_impl.hpp"
-#include "operation/motion_alarm.hpp"
+#include "operation/input_alarm.hpp"
+#include "operation/macro_control.hpp"
 #include "operation/overtravel_alarm.hpp"
 #include "operation/unsupported.hpp"
 
@@ -47,8 +48,13 @@ bool Controller::Impl::work() {
   std::lock_guard guard(lock);
   // Before anything changes the tool in use.
   if (const std::uint64_t cut = realtime.state().cutting_periods; cut != life_periods) {
-    if (!realtime.machine_lock) interpreter.tool_cut_for(static_cast<double>(cut - life_periods) * period_s());
+    if (!realtime.machine_lock)
+      interpreter.tool_cut_for(static_cast<double>(cut - life_periods) * period_s());
     life_periods = cut;
+  }
+  if (const std::uint32_t faults = realtime.state().faults; faults != faults_seen) {
+    faults_seen = faults;
+    machine_fault(realtime.state().fault);
   }
   if (phase == Phase::aborting) {
     if (!realtime.aborted()) return false;
@@ -57,6 +63,12 @@ bool Controller::Impl::work() {
     return phase != Phase::aborting;
   }
   if (phase == Phase::manual) return work_manual();
+  if (phase == Phase::idle && displaced()) {  // a program that ran displaced is over
+    if (hands_done(~plc_axes)) take_over_hands();
+    return false;
+  }
+  if (retracing && work_retrace()) return true;
+  if (hand_moving != 0 && work_return()) return true;
   if (phase != Phase::running) return false;
   const RealtimeState& now = realtime.state();
   if (now.block_stopped && now.go == realtime.go.load(std::memory_order_relaxed)) {
@@ -77,7 +89,11 @@ bool Controller::Impl::work() {
     state_changed();
     return true;
   }
-  if (await != Await::nothing && realtime.idle()) interlude_done();
+  if (await == Await::park) {
+    if (!work_park()) return false;
+  } else if (await != Await::nothing && realtime.idle()) {
+    interlude_done();
+  }
   calculating = false;
   if (phase == Phase::running && await == Await::nothing) pull_operations();
 
@@ -115,7 +131,8 @@ void Controller::Impl::pull_operations() {
       if (observer) observer(operation);
     }
     const interp::SourcePosition& at = position_of(operation);
-    if (single_block && last_block.line != 0 && blocks_differ(last_block, at)) {
+    if (single_block && !MacroControl(interpreter.macro_control()).no_single_block && last_block.line != 0 &&
+        blocks_differ(last_block, at)) {
       last_block = {};
       post(Await::block_stop, {});
       return;
@@ -129,8 +146,9 @@ void Controller::Impl::pull_operations() {
 }
 
 void Controller::Impl::take(const interp::Operation& taken) {
-  if (const auto refused = unsupported_alarm(taken, skip_input))
+  if (const auto refused = unsupported_alarm(taken, machine, skip_input))
     return stop_with(*refused, position_of(taken), {});
+  if (const auto* tap = std::get_if<interp::Tap>(&taken)) return take_tap(*tap);
   if (is_motion(taken)) {
     if (const auto refused = before_motion(taken)) return stop_with(*refused, position_of(taken), {});
     anything_moved = true;
@@ -160,6 +178,7 @@ void Controller::Impl::take(const interp::Operation& taken) {
     request.speed = spindle->speed;
     request.constant_surface_speed = spindle->constant_surface_speed;
     request.clamp_rpm = spindle->clamp_rpm;
+    request.surface_axis = spindle->surface_axis;
     post(Await::function, function(request));
   } else if (const auto* tool = std::get_if<interp::Tool>(&taken)) {
     plc::Request request;
@@ -176,6 +195,18 @@ void Controller::Impl::take(const interp::Operation& taken) {
     plc::Request request;
     request.code = m->code;
     post(Await::function, function(request));
+  } else if (const auto* second = std::get_if<interp::SecondAuxiliary>(&taken)) {
+    plc::Request request;
+    request.kind = plc::FunctionKind::second_auxiliary;
+    request.code = static_cast<std::int32_t>(second->code);
+    post(Await::function, function(request));
+  } else if (const auto* watch = std::get_if<interp::SpindleWatch>(&taken)) {
+    Interlude interlude;
+    interlude.kind = Interlude::Kind::watch;
+    interlude.watch = {watch->on, watch->delay_s, watch->reached_ratio, watch->ratio, watch->width_rpm};
+    post(Await::function, interlude);
+  } else if (const auto* polygon = std::get_if<interp::PolygonTurning>(&taken)) {
+    take_polygon(*polygon);
   } else if (const auto* check = std::get_if<interp::StrokeCheck>(&taken)) {
     zone.reset();
     if (check->on && check->axes != 0)
@@ -185,8 +216,9 @@ void Controller::Impl::take(const interp::Operation& taken) {
   } else if (const auto* stop = std::get_if<interp::Stop>(&taken)) {
     if (!stop->optional || optional_stop) post(Await::program_stop, {});
   } else if (const auto* alarm = std::get_if<interp::Alarm>(&taken)) {
-    raised_here = {};
     pending_alarm = *alarm;
+    raised_here = broken_input();
+    if (!raised_here.code.empty()) pending_alarm.code = raised_here.code;
     post(Await::alarm, {});
   } else if (const auto* over = std::get_if<interp::End>(&taken)) {
     end = *over;
@@ -202,35 +234,30 @@ void Controller::Impl::stop_with(const MachineAlarm& alarm, const interp::Source
   post(Await::alarm, {});
 }
 
-/// What must be known before an axis moves: a thread the axes cannot follow, a forbidden zone.
-std::optional<MachineAlarm> Controller::Impl::before_motion(const interp::Operation& taken) {
-  if (!zone && !std::holds_alternative<interp::Thread>(taken)) return std::nullopt;
-  const motion::Move move = feed.make(taken);
-  if (zone) {
-    if (const auto entered = axes::find_entry(*zone, feed.position(), move.geometry))
-      return zone_alarm(entered->positive);
-  }
-  if (std::holds_alternative<interp::Thread>(taken)) {
-    const auto& cut = std::get<motion::ThreadFeed>(move.feed);
-    return thread_alarm(machine, feed.position(), move, cut,
-                        std::abs(realtime.state().spindle_commanded_rpm));
-  }
-  return std::nullopt;
+/// The alarm of the line that fed the program, when that is what ended it.
+MachineAlarm Controller::Impl::broken_input() const {
+  if (!main_window || !main_window->broken || !selection.why_broken) return {};
+  return input_alarm(machine.profile, selection.why_broken());
 }
 
 void Controller::Impl::skip_over() {
   const motion::Sample sample = realtime.state().sample;
-  interpreter.skip_ended(sample.skipped ? sample.skip_position : sample.position, sample.skipped);
+  const AxisVector standing = realtime.state().base;
+  interpreter.skip_ended(sample.skipped ? sample.skip_position : standing, sample.skipped);
   if (!sample.skipped) return;
   // The signal's place is what the program reads; the axes stand where they came to rest.
-  kernel.set_position(sample.position);
-  feed.set_position(sample.position);
-  interpreter.set_position(sample.position);
+  kernel.set_position(standing);
+  feed.set_position(standing);
+  interpreter.set_position(standing);
 }
 
 void Controller::Impl::post(Await what, Interlude interlude) {
-  interlude.new_block = new_block && (what == Await::function || what == Await::dwell ||
+  interlude.new_block = new_block && (what == Await::function || what == Await::dwell || what == Await::tap ||
                                       what == Await::program_stop || what == Await::end);
+  const MacroControl control(interpreter.macro_control());
+  interlude.new_block = interlude.new_block && !control.no_single_block;
+  interlude.not_held = control.no_hold;
+  interlude.not_awaited = control.no_wait;
   feed.finish();
   interlude.after_tag = feed.last_tag();
   await = what;
@@ -244,6 +271,14 @@ void Controller::Impl::interlude_done() {
     case Await::dwell:
     case Await::standstill:
     case Await::commit:
+    case Await::park:
+      return;
+    case Await::tap:
+      tap_done();
+      return;
+    case Await::polygon:
+      polygon_let_go = !polygon_on;
+      if (polygon_let_go) park();
       return;
     case Await::skip:
       skip_over();
@@ -267,6 +302,7 @@ void Controller::Impl::interlude_done() {
 }
 
 void Controller::Impl::data_ran_out() {
+  if (realtime.hold) return;  // it stands already; said once
   const RealtimeState& now = realtime.state();
   if (wait_since_period == 0) wait_since_period = now.periods + 1;
   const double waited_s = static_cast<double>(now.periods + 1 - wait_since_period) * period_s();
@@ -276,8 +312,9 @@ void Controller::Impl::data_ran_out() {
       (sample.starved || (sample.queue_empty && (feed.last_tag() == 0 || sample.tag == feed.last_tag())));
   // Two periods: the sample must have been made after the last data were planned.
   const bool ran_out = all_traced && now.periods > wait_since_period + 1;
-  if (!ran_out || (!anything_moved && waited_s < kFirstDataWithin_s)) return;
+  if (!ran_out || ((!anything_moved || programs.awaited()) && waited_s < kFirstDataWithin_s)) return;
   realtime.hold = true;
+  ++run_record.holds;
   const MachineAlarm text = starved_message();
   raise(std::string(text.code), {}, last_block, text, true);
   wait_since_period = 0;
@@ -304,24 +341,40 @@ void Controller::Impl::finish_run(const char* outcome) {
   const RealtimeState& now = realtime.state();
   emit(RunEnded{retained.last_run, outcome,
                 static_cast<double>(now.run_periods - run_periods_base) * period_s(),
-                static_cast<double>(now.cutting_periods - cutting_periods_base) * period_s()});
+                static_cast<double>(now.cutting_periods - cutting_periods_base) * period_s(),
+                retained.parts_total, run_record});
 }
 
 void Controller::Impl::after_abort() {
   const RealtimeState& now = realtime.state();
-  // Without power, or after machine lock, only the measured position is true.
-  const bool measured = emergency || unlocked;
+  // Without power, or after a lock, only the measured position is true.
+  const bool measured = emergency || releasing || tripped || unlocked || unlocked_axes != 0;
   if (measured && !now.drives_at_rest) return;
-  const AxisVector position = measured ? now.actual : now.sample.position;
+  AxisVector position = measured ? now.actual : now.sample.position;
+  if (!emergency && !releasing && !tripped && !unlocked) {
+    position = now.sample.position;
+    for (std::size_t i = 0; i < machine.axes.size(); ++i)
+      if ((unlocked_axes >> i & 1) != 0) position[i] = now.actual[i];
+  }
   kernel.set_position(position);
   feed.set_position(position);
   interpreter.reset(position);
   realtime.hold = false;
   realtime.running = false;
+  set_since = now.periods;
   realtime.abort_over();
   // Only now, when the commanded position is the measured one again, may the drives follow it.
   if (unlocked) realtime.machine_lock = false;
-  unlocked = false;
+  if (unlocked_axes != 0) realtime.axis_lock &= ~unlocked_axes;
+  if (releasing || trip_reset) {
+    realtime.emergency_stop = emergency;
+    tripped = false;
+  }
+  releasing = trip_reset = unlocked = false;
+  unlocked_axes = 0;
+  hand_moving = hand_stopped = 0;
+  retracing = false;
+  end_retrace();
   await = Await::nothing;
   has_operation = false;
   last_block = {};

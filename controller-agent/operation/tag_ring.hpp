@@ -19,10 +19,13 @@ struct SegmentState {
   interp::ModalSnapshot modal;
   std::uint64_t main_offset = 0;  ///< byte offset reached in the main program, for progress
   const char* cycle = nullptr;
+  AxisVector end{};  ///< where the block's move ends, machine coordinates
+  bool has_end = false;
   bool cutting = false;            ///< not a rapid
   std::uint16_t skip_signals = 0;  ///< any of these ends the move (G31)
   bool fixed_feed = false;         ///< feed override is 100 % (skip moves, G63)
-  bool not_held = false;           ///< feed hold waits until the move is over (G63)
+  bool not_held = false;           ///< feed hold waits until the move is over (G63, #3004)
+  bool no_single_block = false;    ///< single block does not stop at its end (#3003)
 };
 
 class TagRing {

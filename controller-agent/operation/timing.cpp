@@ -91,6 +91,21 @@ class Estimator {
   std::uint64_t cutting_ = 0, rapid_ = 0;
 };
 
+/// Offsets of one tool in a row share its life: each tool counts once.
+std::map<std::int32_t, double> life_taken(const tools::LifeTable& before, const tools::LifeTable& after) {
+  std::map<std::int32_t, double> taken;
+  for (const auto& [number, group] : after.groups) {
+    const tools::LifeGroup* old = before.find(number);
+    if (old == nullptr || old->tools.size() != group.tools.size()) continue;
+    std::int64_t amount = 0;
+    for (std::size_t i = 0; i < group.tools.size(); ++i)
+      if (i == 0 || group.tools[i].tool != group.tools[i - 1].tool) amount += group.tools[i].used - old->tools[i].used;
+    if (amount > 0)
+      taken[number] = group.unit == tools::LifeUnit::uses ? static_cast<double>(amount) : static_cast<double>(amount) / 10;
+  }
+  return taken;
+}
+
 }  // namespace
 
 RunEstimate estimate(const machine::Machine& machine, const interp::MachineData& data, OpenProgram main,
@@ -110,6 +125,7 @@ RunEstimate estimate(const machine::Machine& machine, const interp::MachineData&
   }
   const RunEnd end = run.run([&] { return estimator.period(controller, run.periods); });
   estimator.finish(run, end);
+  estimator.result.life_needed = life_taken(data.tool_life, controller.data().tool_life);
   return std::move(estimator.result);
 }
 

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,6 +43,7 @@ struct RunEstimate {
   std::vector<RunAlarm> alarms;                 ///< the controller stops at the first
   std::vector<std::int32_t> tools;              ///< in the order of first use
   bool counts_part = false;
+  std::map<std::int32_t, double> life_needed;  ///< tool life group → uses or seconds that the run takes of it
 };
 
 /// Opens the main program; called twice (length, run).

@@ -7,30 +7,28 @@ namespace {
 
 constexpr MachineAlarm kSkip{"HS0002", "Skip move: this machine has no skip input",
                              "跳转指令：本机没有跳转信号输入"};
-constexpr MachineAlarm kWatch{"HS0002", "Spindle speed fluctuation is not supervised by this machine",
-                              "本机不监控主轴速度波动"};
 constexpr MachineAlarm kAuxiliary{"HS0002", "Second auxiliary function is not wired on this machine",
                                   "本机没有连接第二辅助功能"};
-constexpr MachineAlarm kTap{"HS0002", "Synchronous tapping is not carried out by this motion control",
-                            "本运动控制不执行同步攻丝"};
+constexpr MachineAlarm kDrivenTap{"HS0002", "Synchronous tapping with a driven tool: only the main spindle is synchronised",
+                                  "动力刀具同步攻丝：本机只同步主轴"};
 
 constexpr MachineAlarm kPolygon{"HS0002", "Polygon turning: this machine has no driven tool axis",
                                 "本机没有多边形车削的刀具轴"};
 
 }  // namespace
 
-std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation, bool skip_input) {
+std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation,
+                                              const machine::Machine& machine, bool skip_input) {
   if (const auto* feed = std::get_if<interp::Feed>(&operation); feed != nullptr && feed->skip_signals != 0) {
     const bool torque = (feed->skip_signals & interp::kSkipTorque) != 0;  // no drive reports its torque yet
     if (!skip_input || torque) return kSkip;
   }
-  if (const auto* watch = std::get_if<interp::SpindleWatch>(&operation); watch != nullptr && watch->on)
-    return kWatch;
   if (const auto* polygon = std::get_if<interp::PolygonTurning>(&operation);
-      polygon != nullptr && polygon->on)
+      polygon != nullptr && polygon->on && machine.polygon_axis == 0)
     return kPolygon;
-  if (std::holds_alternative<interp::SecondAuxiliary>(operation)) return kAuxiliary;
-  if (std::holds_alternative<interp::Tap>(operation)) return kTap;
+  if (const auto* tap = std::get_if<interp::Tap>(&operation); tap != nullptr && tap->spindle != 0) return kDrivenTap;
+  if (std::holds_alternative<interp::SecondAuxiliary>(operation) && !machine.second_auxiliary)
+    return kAuxiliary;
   return std::nullopt;
 }
 

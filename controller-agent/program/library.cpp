@@ -86,7 +86,7 @@ void FilePrograms::add_file(const fs::path& file) {
 
 void FilePrograms::add_text(std::string text) {
   texts_.push_back(std::make_unique<std::string>(std::move(text)));
-  const auto source = source_from_text(*texts_.back());
+  const auto source = source_from_view(*texts_.back());
   index(*source, {{}, texts_.back().get(), 0, 0});
 }
 
@@ -116,7 +116,7 @@ std::unique_ptr<Source> FilePrograms::open_number(std::uint32_t number) {
   if (const auto found = places_.find(number); found != places_.end()) {
     const Place& place = found->second;
     auto whole =
-        place.text != nullptr ? source_from_text(*place.text) : source_from_file(place.file.string());
+        place.text != nullptr ? source_from_view(*place.text) : source_from_file(place.file.string());
     if (whole != nullptr) return std::make_unique<Section>(std::move(whole), place.begin, place.end);
   }
   return open_in(folders_, [&](const fs::path& path) { return is_number(path.stem().string(), number); });

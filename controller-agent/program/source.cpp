@@ -7,6 +7,7 @@
 namespace headstock::program {
 namespace {
 
+template <typename Text>
 class TextSource final : public Source {
  public:
   explicit TextSource(std::string_view text) : text_(text) {}
@@ -26,7 +27,7 @@ class TextSource final : public Source {
   }
 
  private:
-  std::string_view text_;
+  Text text_;
   std::size_t at_ = 0;
 };
 
@@ -54,7 +55,11 @@ class FileSource final : public Source {
 }  // namespace
 
 std::unique_ptr<Source> source_from_text(std::string_view text) {
-  return std::make_unique<TextSource>(text);
+  return std::make_unique<TextSource<std::string>>(text);
+}
+
+std::unique_ptr<Source> source_from_view(std::string_view text) {
+  return std::make_unique<TextSource<std::string_view>>(text);
 }
 
 std::unique_ptr<Source> source_from_file(const std::string& path) {

@@ -48,8 +48,10 @@ class Programs {
   virtual std::unique_ptr<Source> open_name(std::string_view name) = 0;
 };
 
-/// Reads a whole text held in memory (kept alive by the caller).
+/// Reads a whole text held in memory: a copy of its own.
 std::unique_ptr<Source> source_from_text(std::string_view text);
+/// The same without a copy. `text` outlives the source.
+std::unique_ptr<Source> source_from_view(std::string_view text);
 /// Reads a file in chunks. @return nullptr when it cannot be opened.
 std::unique_ptr<Source> source_from_file(const std::string& path);
 

@@ -36,6 +36,7 @@ void Reader::start() {
   reason_.clear();
   begin_ = filled_ = 0;
   label_ = line_empty_ = true;
+  start_mark_ = false;
   dsr_seen_ = false;
   received_ = block_characters_ = 0;
   stopped_ = true;
@@ -77,7 +78,9 @@ void Reader::one(std::uint8_t byte) {
   const char character = meaning.value;
   ++block_characters_;
   if (label_) {
+    start_mark_ |= character == '%';
     if (character != '\n') return;
+    if (rules_.demand_start_mark && !start_mark_) return fail("no_start_mark");
     label_ = false;
     block_characters_ = 0;
     return;

@@ -27,6 +27,9 @@ struct ReaderRules {
   std::size_t buffer = 8'192;       ///< characters
   std::size_t reserve = 10;         ///< taken after a DC3 at most (PS0087)
   bool tv_check = false;
+  /// What comes must begin with a line that has a %: the rest of a program that was broken off before, which the other
+  /// side still holds, is not run from its middle.
+  bool demand_start_mark = false;
 };
 
 class Reader {
@@ -51,7 +54,7 @@ class Reader {
 
   State state() const { return state_; }
   /// What the control's alarm says: buffer_overflow (PS0087), line_parity … (PS0085), line_framing (PS1823),
-  /// dr_off (PS0086), th (PS0001), tv (PS0002).
+  /// dr_off (PS0086), th (PS0001), tv (PS0002), no_start_mark.
   const std::string& reason() const { return reason_; }
   std::uint64_t received() const { return received_; }
   std::uint32_t most_after_stop() const { return most_after_stop_; }
@@ -71,6 +74,7 @@ class Reader {
   std::size_t begin_ = 0, filled_ = 0;
   bool stopped_ = true;
   bool label_ = true;  ///< label skip: until the first end of block
+  bool start_mark_ = false;  ///< a % in the label
   bool line_empty_ = true;
   bool dsr_seen_ = false;
   std::uint64_t received_ = 0, block_characters_ = 0;

@@ -42,7 +42,12 @@ enum class Type : std::uint8_t {
   transfer_result = 47,
   transfer_cancel = 48,
   drip_resume = 49,
-  transfer_closed = 50
+  transfer_closed = 50,
+  program_request = 51,
+  request_answer = 52,
+  data_report = 60,
+  data_write = 61,
+  data_result = 62
 };
 
 /// One frame; `body` points into the reader and stays valid until the reader is used again.

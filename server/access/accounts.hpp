@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "db/user_store.hpp"
+#include "server/access/policy.hpp"
+#include "server/access/rights.hpp"
 #include "server/access/role.hpp"
 
 namespace headstock::db {
@@ -33,13 +35,8 @@ struct Session {
   User user;
   std::string token;  ///< 64 hex digits, known to the client only; empty when looked up
   std::int64_t expires_ms = 0;
+  std::shared_ptr<const Rights> rights{};
   Actor actor(std::string address) const { return {user.id, user.user, user.role, std::move(address)}; }
-};
-
-struct SignInPolicy {
-  int failures_before_lock = 5;              ///< wrong passwords in a row
-  std::int64_t lock_ms = 60'000;             ///< doubles with each further failure, up to an hour
-  std::int64_t session_ms = 12 * 3'600'000;  ///< since sign-in
 };
 
 // ---- store thread. `now_ms` is a parameter so that time can be tested.
@@ -64,16 +61,21 @@ User change_user(db::Database& db, const Actor& actor, std::int64_t id, const Us
                  std::int64_t now_ms);
 /// Refusals: forbidden, not_found, last_administrator.
 void delete_user(db::Database& db, const Actor& actor, std::int64_t id, std::int64_t now_ms);
-/// Whose token this is. Nothing when unknown, expired, or the user is disabled.
+/// Whose token this is, with the rights. Nothing when unknown, expired, unused for too long, or the user is disabled.
 std::optional<Session> find_session(db::Database& db, const std::string& token, std::int64_t now_ms);
 void sign_out(db::Database& db, const Actor& actor, const std::string& token, std::int64_t now_ms);
 /// Makes user `admin` when there is no user at all. @return its password, to be shown once; nothing
 /// otherwise.
 std::optional<std::string> ensure_first_administrator(db::Database& db, std::int64_t now_ms);
 
+/// A session for a person whose identity is certain (a password checked, a sign-in provider's word). In the caller's
+/// transaction. @param how for the audit trail.
+Session start_session(db::Database& db, const db::UserRow& user, const std::string& address, const std::string& how,
+                      std::int64_t now_ms);
+
 class Accounts {
  public:
-  Accounts(db::Store& store, db::Pool& workers, SignInPolicy policy = {});
+  Accounts(db::Store& store, db::Pool& workers);
   /// Refusals: wrong_sign_in (unknown user, wrong password, disabled: all the same), locked_out (where:
   /// seconds).
   boost::asio::awaitable<Session> sign_in(std::string user, std::string password, std::string address);
@@ -93,7 +95,6 @@ class Accounts {
 
   db::Store& store_;
   db::Pool& workers_;
-  SignInPolicy policy_;
 };
 
 }  // namespace headstock::access

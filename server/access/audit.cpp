@@ -24,4 +24,18 @@ void record(db::Database& db, const Actor& actor, std::string_view action, const
   db::append_audit(db, std::move(row));
 }
 
+AuditVerdict verify_audit(db::Database& db, const db::AuditHead& seen) {
+  AuditVerdict verdict;
+  verdict.head = db::audit_head(db);
+  verdict.broken = db::first_broken_audit(db);
+  if (verdict.broken != 0) {
+    verdict.what = db::audit_hash(db, verdict.broken).empty() ? "missing" : "changed";
+    return verdict;
+  }
+  if (seen.id == 0 || (seen.id <= verdict.head.id && db::audit_hash(db, seen.id) == seen.hash)) return verdict;
+  verdict.broken = seen.id;
+  verdict.what = seen.id > verdict.head.id ? "cut" : "changed";
+  return verdict;
+}
+
 }  // namespace headstock::access

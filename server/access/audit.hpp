@@ -20,4 +20,13 @@ std::string subject(std::string_view kind, std::int64_t id);
 void record(db::Database& db, const Actor& actor, std::string_view action, const std::string& subject,
             std::initializer_list<std::pair<std::string_view, std::string>> detail = {});
 
+struct AuditVerdict {
+  std::int64_t broken = 0;  ///< id of the first row that is not as it was written; 0: all are
+  std::string what;         ///< changed, missing, cut; empty when whole
+  db::AuditHead head;       ///< newest row: keep it somewhere else and give it as `seen` the next time
+};
+/// Walks the whole chain. @param seen what an earlier verdict said; id 0: nothing. Finds rows that were changed,
+/// removed, slipped in or reordered, and, with `seen`, an end that was cut off or written anew. Store thread.
+AuditVerdict verify_audit(db::Database& db, const db::AuditHead& seen);
+
 }  // namespace headstock::access

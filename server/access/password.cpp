@@ -3,6 +3,7 @@
 #include <openssl/evp.h>
 #include <openssl/rand.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <stdexcept>
@@ -64,10 +65,32 @@ bool verify_password(const std::string& password, const std::string& hash) {
   return db::equal_secret(scrypt_hex(password, std::string(parts[4]), cost), parts[5]);
 }
 
-void demand_good_password(const std::string& password, const std::string& user) {
-  std::size_t characters = 0;
+namespace {
+
+std::string lower(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+/// What guessers begin with, and the factory passwords of these controls repeated to length.
+constexpr std::string_view kCommon[] = {
+    "password",  "password1", "passw0rd",  "12345678",  "123456789", "1234567890", "87654321",  "qwertyui", "qwerty123",
+    "11111111",  "88888888",  "66666666",  "1q2w3e4r",  "iloveyou",  "abcd1234",   "abc12345",  "a1234567", "admin123",
+    "admin1234", "administrator", "headstock", "headstock1", "changeme", "letmein1", "welcome1", "woaini1314", "1234512345"};
+
+}  // namespace
+
+void demand_good_password(const std::string& password, const std::string& user, std::int64_t least) {
+  std::int64_t characters = 0;
   for (const char c : password) characters += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-  if (characters < 8 || password.size() > 1000 || password == user) throw db::Refusal("weak_password");
+  const std::string plain = lower(password);
+  if (characters < least || password.size() > 1000) throw db::Refusal("weak_password", std::to_string(least));
+  if (!user.empty())
+    if (const auto at = plain.find(lower(user)); at != std::string::npos && plain.size() - user.size() < 4)
+      throw db::Refusal("weak_password", "user");
+  const bool same = plain.find_first_not_of(plain.front()) == std::string::npos;
+  if (same || std::ranges::find(kCommon, plain) != std::end(kCommon)) throw db::Refusal("common_password");
 }
 
 std::string random_password() {

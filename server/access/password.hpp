@@ -2,6 +2,7 @@
 // thread, but never the network's or the store's.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace headstock::access {
@@ -15,8 +16,9 @@ std::string hash_password(const std::string& password, ScryptCost cost = {});
 /// Constant time in the hash; takes as long for an unusable hash, so that a missing user cannot be told from
 /// a wrong password.
 bool verify_password(const std::string& password, const std::string& hash);
-/// Throws Refusal{weak_password}: at least 8 characters, at most 1,000 bytes, not the user's name.
-void demand_good_password(const std::string& password, const std::string& user);
+/// Throws Refusal{weak_password} (where: the least length): at least `least` characters, at most 1,000 bytes, more
+/// than the user's name and three characters; Refusal{common_password}: one that everybody tries first, or one character again and again.
+void demand_good_password(const std::string& password, const std::string& user, std::int64_t least = 8);
 /// 16 characters without look-alikes, for first sign-ins.
 std::string random_password();
 

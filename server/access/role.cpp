@@ -4,6 +4,7 @@
 #include <array>
 
 #include "db/refusal.hpp"
+#include "server/access/rights.hpp"
 
 namespace headstock::access {
 namespace {
@@ -34,12 +35,18 @@ constexpr Permission kPermissions[] = {
     {Action::enrol_machine, "enrol_machine", Role::administrator},
     {Action::manage_users, "manage_users", Role::administrator},
     {Action::read_audit, "read_audit", Role::administrator},
+    {Action::acknowledge_alarm, "acknowledge_alarm", Role::operator_},
+    {Action::edit_alarm_rules, "edit_alarm_rules", Role::setter},
+    {Action::backup_machine, "backup_machine", Role::setter},
+    {Action::restore_machine, "restore_machine", Role::setter},
+    {Action::manage_backups, "manage_backups", Role::administrator},
+    {Action::change_settings, "change_settings", Role::administrator},
 };
 
 constexpr bool in_order() {
   for (std::size_t i = 0; i < std::size(kPermissions); ++i)
     if (static_cast<std::size_t>(kPermissions[i].action) != i) return false;
-  return std::size(kPermissions) == static_cast<std::size_t>(Action::read_audit) + 1;
+  return std::size(kPermissions) == static_cast<std::size_t>(Action::change_settings) + 1;
 }
 static_assert(in_order());
 
@@ -67,9 +74,18 @@ Role required(Action action) {
   return permission(action).role;
 }
 
+std::optional<Action> action_from(std::string_view name) {
+  const auto* found = std::ranges::find(kPermissions, name, &Permission::name);
+  if (found == std::end(kPermissions)) return std::nullopt;
+  return found->action;
+}
+
 void demand(const Actor& actor, Action action) {
-  if (!includes(actor.role, required(action)))
-    throw db::Refusal("forbidden", std::string(permission(action).name));
+  const auto may = [&](std::int64_t machine) { return actor.rights->may(action, machine); };
+  const bool allowed = !actor.rights            ? includes(actor.role, required(action))
+                       : actor.machines.empty() ? may(kNoMachine)
+                                                : std::ranges::all_of(actor.machines, may);
+  if (!allowed) throw db::Refusal("forbidden", std::string(permission(action).name));
 }
 
 }  // namespace headstock::access

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace headstock::access {
 
@@ -39,7 +41,13 @@ enum class Action {
   manage_machines,
   enrol_machine,
   manage_users,
-  read_audit
+  read_audit,
+  acknowledge_alarm,
+  edit_alarm_rules,
+  backup_machine,
+  restore_machine,
+  manage_backups,
+  change_settings
 };
 
 struct Permission {
@@ -49,7 +57,10 @@ struct Permission {
 };
 /// The whole table, for documentation and tests.
 std::span<const Permission> permissions();
+std::optional<Action> action_from(std::string_view name);
 Role required(Action action);
+
+class Rights;
 
 /// Who does something: for permissions and for the audit trail.
 struct Actor {
@@ -57,6 +68,10 @@ struct Actor {
   std::string user = "server";
   Role role = Role::administrator;
   std::string address;  ///< where the request came from
+  /// What was granted beyond the role; nothing: the role alone counts.
+  std::shared_ptr<const Rights> rights{};
+  /// The machines this is about, empty: none. `role` is the least the person has on them.
+  std::vector<std::int64_t> machines{};
 };
 /// Throws Refusal{forbidden} when the actor may not.
 void demand(const Actor& actor, Action action);

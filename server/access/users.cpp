@@ -11,6 +11,8 @@
 namespace headstock::access {
 namespace {
 
+constexpr std::int64_t kTouchMs = 60'000;
+
 void demand_user_name(const std::string& name) {
   const bool good = !name.empty() && name.size() <= 64 && std::ranges::all_of(name, [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '.' || c == '-' || c == '_' || c == '@';
@@ -124,7 +126,13 @@ std::optional<Session> find_session(db::Database& db, const std::string& token, 
   if (!session || session->expires_ms <= now_ms) return std::nullopt;
   const auto row = db::user(db, session->user);
   if (!row || row->disabled) return std::nullopt;
-  return Session{public_part(*row), {}, session->expires_ms};
+  const SignInPolicy policy = policy_of(db);
+  const std::int64_t used = std::max(session->last_used_ms, session->created_ms);
+  if (policy.idle_ms > 0 && used + policy.idle_ms <= now_ms) return std::nullopt;
+  // Not with every request: a minute is fine enough for an end after five.
+  if (used + kTouchMs <= now_ms) db::touch_session(db, session->token_sha256, now_ms);
+  return Session{public_part(*row), {}, session->expires_ms,
+                 rights_of(db, row->id, role_from(row->role).value_or(Role::viewer))};
 }
 
 void sign_out(db::Database& db, const Actor& actor, const std::string& token, std::int64_t /*now_ms*/) {

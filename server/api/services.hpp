@@ -21,9 +21,18 @@ class Distributor;
 namespace headstock::fleet {
 class Fleet;
 class Changes;
+class ValueDesk;
 }  // namespace headstock::fleet
 namespace headstock::server {
 class Gateway;
+}
+
+namespace headstock::integrations {
+class Notifier;
+class SignInProvider;
+}
+namespace headstock::backup {
+class Backups;
 }
 
 namespace headstock::dnc {
@@ -46,8 +55,12 @@ struct Services {
   fleet::Fleet& fleet;
   fleet::Changes& changes;
   server::Gateway& gateway;
+  fleet::ValueDesk& values;
   dnc::Dnc& dnc;
   Jobs& jobs;
+  integrations::Notifier& notifier;
+  backup::Backups& backups;
+  integrations::SignInProvider& provider;
   std::string version;
 };
 

@@ -138,6 +138,9 @@ json to_json(const db::TransferRow& row) {
           {"bytes", row.bytes},
           {"total", row.total},
           {"rate", rate},
+          // Done is said only when the machine's own count and hash of what it took are the revision's; a drip-feed has
+          // then been read to its end by the interpreter.
+          {"drained", row.kind == "drip" ? json(row.state == "done") : json(nullptr)},
           {"reason", text_or_null(row.reason)},
           {"by", row.by},
           {"created", time_json(row.created_ms)},
@@ -187,7 +190,12 @@ json to_json(const db::RunRow& row) {
           {"ended", time_json(row.ended_ms)},
           {"outcome", text_or_null(row.outcome)},
           {"run_s", number_or_null(row.run_s)},
-          {"cutting_s", number_or_null(row.cutting_s)}};
+          {"cutting_s", number_or_null(row.cutting_s)},
+          {"parts", row.total_start && row.total_end ? json(*row.total_end - *row.total_start) : json(nullptr)},
+          {"holds", row.holds ? json(*row.holds) : json(nullptr)},
+          {"alarms", row.alarms ? json(*row.alarms) : json(nullptr)},
+          {"overrides", row.overrides_json.empty() ? json(nullptr) : json::parse(row.overrides_json, nullptr, false)},
+          {"by", text_or_null(row.by)}};
 }
 
 json to_json(const db::StateRow& row) {

@@ -25,11 +25,22 @@ struct PartRow;
 struct RunRow;
 struct StateRow;
 struct AuditRow;
+struct ValueItem;
+struct ValueRequestRow;
+struct ValueChangeRow;
+struct SnapshotRow;
 }  // namespace headstock::db
 
 namespace headstock::library {
 struct Backplot;
 }
+namespace headstock::fleet {
+struct SheetRow;
+struct LifeGroupView;
+struct Disagreement;
+struct Recount;
+struct Order;
+}  // namespace headstock::fleet
 
 namespace headstock::api {
 
@@ -52,6 +63,16 @@ json to_json(const db::PartRow& part);
 json to_json(const db::RunRow& run);
 json to_json(const db::StateRow& state);
 json to_json(const db::AuditRow& row);
+// routes/value_shapes.cpp
+json to_json(const db::ValueItem& item);
+json to_json(const db::ValueRequestRow& request);
+json to_json(const db::ValueChangeRow& change);
+json to_json(const db::SnapshotRow& snapshot);
+json to_json(const fleet::SheetRow& row);
+json to_json(const fleet::LifeGroupView& group);
+json to_json(const fleet::Disagreement& disagreement);
+json to_json(const fleet::Recount& recount);
+json to_json(const fleet::Order& order);
 json to_json(const library::Difference& difference);
 json to_json(const library::Backplot& backplot);
 

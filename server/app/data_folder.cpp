@@ -5,7 +5,6 @@
 #include <cstring>
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -16,23 +15,11 @@ namespace headstock::app {
 namespace fs = std::filesystem;
 
 DataFolder::DataFolder(fs::path folder) : folder_(std::move(folder)) {
-  std::error_code error;
-  const bool made = fs::create_directories(folder_, error);
-  if (error) throw StartError(StartError::other, "cannot make the data folder " + folder_.string() + ": " + error.message());
-  if (made) fs::permissions(folder_, fs::perms::owner_all, error);
-  const auto file = folder_ / "lock";
-  lock_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-  if (lock_ < 0)
-    throw StartError(StartError::other, "cannot use the data folder " + folder_.string() + ": " + std::strerror(errno));
-  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    ::close(lock_);
-    throw StartError(StartError::data_in_use,
-                     "data folder in use: another headstock-server runs with " + folder_.string() + "; stop it or choose another folder");
+  try {
+    lock_.emplace(folder_, "headstock-server");
+  } catch (const protocol::FolderUnusable& unusable) {
+    throw StartError(unusable.in_use ? StartError::data_in_use : StartError::other, unusable.what());
   }
-}
-
-DataFolder::~DataFolder() {
-  if (lock_ >= 0) ::close(lock_);
 }
 
 void write_secret(const fs::path& file, const std::string& text) {

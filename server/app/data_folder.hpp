@@ -2,7 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+
+#include "protocol/process/folder_lock.hpp"
 
 namespace headstock::app {
 
@@ -11,14 +14,11 @@ namespace headstock::app {
 class DataFolder {
  public:
   explicit DataFolder(std::filesystem::path folder);
-  ~DataFolder();
-  DataFolder(const DataFolder&) = delete;
-  DataFolder& operator=(const DataFolder&) = delete;
   const std::filesystem::path& path() const { return folder_; }
 
  private:
   std::filesystem::path folder_;
-  int lock_ = -1;
+  std::optional<protocol::FolderLock> lock_;
 };
 
 /// Writes a small text readable by its owner only, in one step. Throws StartError.

@@ -6,7 +6,9 @@
 #include <spdlog/spdlog.h>
 
 #include "generated/version.hpp"
+#include "db/refusal.hpp"
 #include "server/app/shop.hpp"
+#include "server/backup/server_backup.hpp"
 
 namespace {
 
@@ -25,6 +27,9 @@ void describe(CLI::App& cli, Options& options, std::string& log_level) {
   cli.add_option("--tls-key", options.tls_key, "Its private key (PEM)");
   cli.add_flag("--tls", options.tls, "TLS on loopback too, with a certificate of the shop's own CA if none is given");
   cli.add_flag("--plain-http", options.plain_http, "Insist on plain HTTP; refused outside loopback");
+  cli.add_option("--database", options.database,
+                 "PostgreSQL database instead of SQLite in the data folder: postgresql://user@host/name, or any libpq string")
+      ->envname("HEADSTOCK_DATABASE");
   cli.add_option("--initial-admin-file", options.first_sign_in_file,
                  "Where to write the first sign-in (default: DATA/first-sign-in)");
   cli.add_option("--log-level", log_level, "trace, debug, info, warn, error")
@@ -49,11 +54,32 @@ void greet(const Shop& shop, const Options& options) {
 
 }  // namespace
 
+/// `--restore`: fills an empty data folder from a backup and ends.
+int restore(const Options& options, const std::filesystem::path& archive) {
+  namespace backup = headstock::backup;
+  try {
+    const auto done = backup::restore_server(archive, options.data, options.database);
+    std::cout << "restored the backup of " << done.manifest.value("made", "") << ": " << done.rows << " rows, " << done.programs
+              << " program texts into " << options.data.string() << "\nstart the server with the same options, without --restore\n";
+    return 0;
+  } catch (const headstock::db::Refusal& refusal) {
+    const auto* text = headstock::db::refusal_text(refusal.code());
+    std::cerr << "headstock-server: " << (text ? text->en : refusal.code()) << " (" << refusal.where() << ")\n";
+    return StartError::other;
+  } catch (const headstock::db::Error& error) {
+    std::cerr << "headstock-server: " << error.what() << "\n";
+    return StartError::database;
+  }
+}
+
 int main(int argc, char** argv) {
   CLI::App cli{"Headstock server: programs, machines and the people of one shop"};
   Options options;
   std::string log_level = "info";
+  std::filesystem::path archive;
   describe(cli, options, log_level);
+  cli.add_option("--restore", archive, "Fill the empty data folder (and database) from this backup of a server, then end")
+      ->check(CLI::ExistingFile);
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -62,6 +88,7 @@ int main(int argc, char** argv) {
   }
   spdlog::set_level(spdlog::level::from_str(log_level));
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
+  if (!archive.empty()) return restore(options, archive);
   try {
     Shop shop(options);
     shop.start();

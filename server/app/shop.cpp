@@ -13,10 +13,12 @@
 #include <spdlog/spdlog.h>
 
 #include "db/blobs.hpp"
+#include "db/refusal.hpp"
 #include "db/store.hpp"
 #include "db/time.hpp"
 #include "db/user_store.hpp"
 #include "server/access/accounts.hpp"
+#include "server/access/view_tokens.hpp"
 #include "server/api/events/socket.hpp"
 #include "server/api/jobs.hpp"
 #include "server/api/http/web_server.hpp"
@@ -27,7 +29,11 @@
 #include "generated/version.hpp"
 #include "server/app/web_tls.hpp"
 #include "server/dnc/dnc.hpp"
+#include "server/backup/backups.hpp"
 #include "server/fleet/fleet.hpp"
+#include "server/fleet/value_requests.hpp"
+#include "server/integrations/notifier.hpp"
+#include "server/integrations/sign_in_provider.hpp"
 #include "server/library/checks.hpp"
 #include "server/library/distribution.hpp"
 #include "server/library/lines.hpp"
@@ -60,11 +66,40 @@ auto with_database(F open) {
   }
 }
 
+/// For work that runs beside the second's own.
+auto logged(const char* what) {
+  return [what](std::exception_ptr error) {
+    if (!error) return;
+    try {
+      std::rethrow_exception(error);
+    } catch (const std::exception& problem) {
+      spdlog::error("{}: {}", what, problem.what());
+    }
+  };
+}
+
+/// A wall screen's secret: the shop as a viewer sees it, and nothing that changes anything.
+awaitable<api::Principal> authenticate_screen(db::Store& store, std::string token) {
+  const auto row = co_await store.run(
+      [&token](db::Database& db) { return access::find_view_token(db, token, db::now_ms()); });
+  api::Principal who;
+  if (!row) co_return who;
+  who.user = "screen:" + std::to_string(row->id);
+  who.name = row->name;
+  who.language = "en";
+  who.role = api::Role::viewer;
+  who.look_only = true;
+  who.expires_ms = row->expires_ms.value_or(0);
+  who.token = std::move(token);
+  co_return who;
+}
+
 awaitable<api::Principal> authenticate(db::Store& store, std::string token) {
   const auto session = co_await store.run(
       [&token](db::Database& db) { return access::find_session(db, token, db::now_ms()); });
   api::Principal who;
-  if (!session) co_return who;
+  if (!session) co_return co_await authenticate_screen(store, std::move(token));
+  who.rights = session->rights;
   who.user_id = session->user.id;
   who.user = session->user.user;
   who.name = session->user.name;
@@ -110,21 +145,33 @@ struct Shop::Impl {
       : options(std::move(given)),
         folder(options.data),
         sign_in_file(options.first_sign_in_file.empty() ? options.data / "first-sign-in" : options.first_sign_in_file),
-        store(with_database([&] { return std::make_unique<db::Store>(options.data); })),
+        store(with_database([&] { return std::make_unique<db::Store>(options.data, options.database); })),
         blobs(with_database([&] { return std::make_unique<db::Blobs>(options.data); })),
         accounts(*store, workers),
         lines(*blobs),
         checks(*store, workers, *blobs),
         fleet(io.get_executor(), *store, changes),
         gateway(io, gateway_options(), fleet),
+        values(*store,
+               [this](std::int64_t machine, nlohmann::json write) { return gateway.write_data(machine, std::move(write)); },
+               [this](std::int64_t machine) { fleet.values_changed(machine); }),
         distributor(io.get_executor(), *store, *blobs, checks, library::carried_by(gateway),
                     [this](const db::TransferRow& row) { publish(row); }),
         dnc(io, *store, workers, *blobs, checks, [this](std::int64_t port) { publish_port(port); }),
         jobs(io),
+        notifier(*store, messenger),
+        backups(*store, keeper, *blobs, options.data, version()),
+        provider(*store, messenger),
         services{io,    *store,      workers, *blobs,  accounts, checks, lines,
-                 distributor, fleet, changes, gateway, dnc, jobs, version()} {
+                 distributor, fleet, changes, gateway, values, dnc, jobs, notifier, backups, provider, version()} {
     fleet.set_distributor(&distributor);
     dnc.set_agents(agents_as_ports());
+    backups.set_restorer({.send = [this](access::Actor actor, std::int64_t program, std::int64_t revision, std::int64_t machine) {
+                            return send_restored(std::move(actor), program, revision, machine);
+                          },
+                          .write = [this](access::Actor actor, std::int64_t machine, std::map<std::string, double> wanted, std::string why) {
+                            return write_restored(std::move(actor), machine, std::move(wanted), std::move(why));
+                          }});
     api::add_all_routes(router, services);
   }
 
@@ -138,6 +185,9 @@ struct Shop::Impl {
 
   awaitable<api::Principal> look_up(std::string token);
   dnc::AgentCarrier agents_as_ports();
+  awaitable<nlohmann::json> write_restored(access::Actor actor, std::int64_t machine, std::map<std::string, double> wanted,
+                                           std::string why);
+  awaitable<nlohmann::json> send_restored(access::Actor actor, std::int64_t program, std::int64_t revision, std::int64_t machine);
   void publish(const db::TransferRow& row);
   void publish_port(std::int64_t port);
   void make_first_administrator();
@@ -161,10 +211,16 @@ struct Shop::Impl {
   library::Checks checks;
   fleet::Fleet fleet;
   server::Gateway gateway;
+  fleet::ValueDesk values;
   library::Distributor distributor;
   dnc::Dnc dnc;
   Seen seen;
   api::Jobs jobs;
+  db::Pool messenger{1};   ///< mail servers may be slow; nothing else waits behind them
+  db::Pool keeper{1};      ///< backups and retention take minutes
+  integrations::Notifier notifier;
+  backup::Backups backups;
+  integrations::SignInProvider provider;
   api::Services services;
   api::Router router;
   std::unique_ptr<asio::ssl::context> tls;
@@ -196,6 +252,46 @@ dnc::AgentCarrier Shop::Impl::agents_as_ports() {
     return distributor.cancel(std::move(actor), transfer);
   };
   return agents;
+}
+
+/// As a person would send it: planned, checked, with a state and a reason.
+awaitable<nlohmann::json> Shop::Impl::send_restored(access::Actor actor, std::int64_t program, std::int64_t revision,
+                                                    std::int64_t machine) {
+  actor.rights = nullptr;   // who may restore a machine may send what is released to it
+  actor.role = std::max(actor.role, access::Role::programmer);
+  std::vector<std::int64_t> machines = {machine};
+  const auto plan = co_await distributor.distribute(std::move(actor), program, revision, std::move(machines));
+  const auto id = plan.id;
+  const auto first = co_await store->run([id](db::Database& db) {
+    return db.integer("SELECT id FROM transfers WHERE distribution_id = ?", {id}).value_or(0);
+  });
+  const auto transfer = co_await distributor.find(first);
+  if (!transfer) co_return nlohmann::json{{"state", "failed"}, {"reason", "not_connected"}};
+  co_return nlohmann::json{{"state", transfer->state}, {"reason", transfer->reason}, {"transfer", transfer->id}};
+}
+
+/// What differs is asked for as any other change: within the limits of one person, written, read back.
+awaitable<nlohmann::json> Shop::Impl::write_restored(access::Actor actor, std::int64_t machine, std::map<std::string, double> wanted,
+                                                     std::string why) {
+  using nlohmann::json;
+  actor.rights = nullptr;   // who may restore a machine may write what belongs to it
+  actor.role = std::max(actor.role, access::Role::setter);
+  try {
+    const auto compare = [&](db::Database& db) { return fleet::difference(db, machine, wanted, ""); };
+    fleet::Difference difference = co_await store->run(compare);
+    if (difference.items.empty()) co_return json{{"state", "same"}, {"without_place", difference.without_place}};
+    fleet::NewValueRequest request;
+    request.machine = machine;
+    request.origin = "restore";
+    request.why = std::move(why);
+    const auto count = difference.items.size();
+    request.items = std::move(difference.items);
+    const auto row = co_await values.ask(std::move(actor), std::move(request));
+    co_return json{{"state", row.state},   {"reason", row.reason}, {"where", row.where}, {"request", row.id},
+                   {"differ", count}, {"without_place", difference.without_place}};
+  } catch (const db::Refusal& refusal) {
+    co_return json{{"state", "refused"}, {"reason", refusal.code()}, {"where", refusal.where()}};
+  }
 }
 
 void Shop::Impl::publish(const db::TransferRow& row) {
@@ -237,6 +333,7 @@ void Shop::Impl::start_web() {
     return api::serve_events(services, look_up_again, std::move(client), std::move(who));
   };
   host.file = api::static_file;
+  host.machines = [this](const api::Route& route, const api::Call& call) { return api::machines_of(services, route, call); };
   web = std::make_unique<api::WebServer>(io, web_options, router, host);
   web->start();
 }
@@ -260,6 +357,8 @@ awaitable<void> Shop::Impl::tick() {
     try {
       fleet.tick();
       if (seconds % 10 == 0) co_await forget_first_sign_in();
+      asio::co_spawn(io, notifier.look(), logged("messages"));
+      if (seconds % 60 == 30) asio::co_spawn(io, backups.every_minute(), logged("backups and retention"));
     } catch (const std::exception& error) {
       spdlog::error("the second's work failed: {}", error.what());
     }
@@ -269,6 +368,7 @@ awaitable<void> Shop::Impl::tick() {
 awaitable<void> Shop::Impl::drain() {
   try {
     co_await web->stop(drain_time);
+    co_await gateway.shut_down(500ms);
     gateway.stop();
     dnc.stop();
   } catch (const std::exception& error) {
@@ -334,6 +434,8 @@ void Shop::run(Signals signals, const std::function<void()>& ready) {
   ready();
   impl.io.run();
   impl.workers.join();
+  impl.messenger.join();
+  impl.keeper.join();
 }
 
 void Shop::stop() {

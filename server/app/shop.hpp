@@ -21,6 +21,7 @@ struct Options {
   std::filesystem::path tls_certificate, tls_key;   ///< PEM; empty: made from the data folder's own CA where TLS is used
   bool plain_http = false;                ///< wish for plain HTTP; refused where others could listen
   bool tls = false;                       ///< TLS on loopback too
+  std::string database;                   ///< PostgreSQL connection string; empty: SQLite in the data folder
   std::filesystem::path first_sign_in_file;         ///< empty: DATA/first-sign-in
 };
 

@@ -4,8 +4,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "server/fleet/offsets.hpp"
+#include "server/fleet/counts.hpp"
+#include "server/fleet/event_body.hpp"
 #include "server/fleet/states.hpp"
+#include "server/fleet/values.hpp"
 
 namespace headstock::fleet {
 namespace {
@@ -14,21 +16,10 @@ using nlohmann::json;
 
 constexpr std::size_t kLongestBody = 64u << 10;
 
-// What a message lacks is empty or 0, not an error: an older agent says less.
-std::string text(const json& body, const char* key) {
-  const auto found = body.find(key);
-  return found != body.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-std::int64_t integer(const json& body, const char* key) {
-  const auto found = body.find(key);
-  if (found == body.end() || !found->is_number()) return 0;
-  return found->is_number_float() ? static_cast<std::int64_t>(found->get<double>())
-                                  : found->get<std::int64_t>();
-}
-std::optional<double> real(const json& body, const char* key) {
-  const auto found = body.find(key);
-  return found != body.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
-}
+using body::integer;
+using body::maybe_integer;
+using body::real;
+using body::text;
 
 /// One event on its way into the tables.
 struct Context {
@@ -91,6 +82,8 @@ void take_run_started(Context& c) {
   run.program = text(c.body, "program");
   run.sha256 = text(c.body, "sha256");
   run.started_ms = c.event.at_ms;
+  run.total_start = maybe_integer(c.body, "total");
+  run.by = text(c.body, "by");
   db::put_run_start(c.db, run);
   c.intake.runs.push_back(std::move(run));
 }
@@ -101,6 +94,11 @@ void take_run_ended(Context& c) {
   run.run_s = real(c.body, "run_s");
   run.cutting_s = real(c.body, "cutting_s");
   run.ended_ms = c.event.at_ms;
+  run.total_end = maybe_integer(c.body, "total");
+  run.holds = maybe_integer(c.body, "holds");
+  run.alarms = maybe_integer(c.body, "alarms");
+  if (const auto overrides = c.body.find("overrides"); overrides != c.body.end() && overrides->is_object())
+    run.overrides_json = overrides->dump().substr(0, 1'000);
   db::put_run_end(c.db, run);
   c.intake.runs.push_back(std::move(run));
 }
@@ -113,13 +111,7 @@ void take_state(Context& c) {
 }
 
 void take_offset(Context& c) {
-  OffsetChange change;
-  change.what = text(c.body, "what");
-  change.before = real(c.body, "before").value_or(0);
-  change.after = real(c.body, "after").value_or(0);
-  change.origin = text(c.body, "origin");
-  if (change.what.empty()) return;
-  record_offset(c.db, c.event, change);
+  record_change(c.db, c.event, c.body);
   c.intake.offsets_changed = true;
 }
 
@@ -181,6 +173,8 @@ Intake take_in(db::Database& db, std::int64_t machine, const std::string& spool,
     interpret({db, row, *event, intake});
   }
   intake.sequence = static_cast<std::uint64_t>(db::advance_spool(db, machine, spool));
+  hold_against_each_other(db, machine, spool, last, static_cast<std::int64_t>(intake.sequence),
+                          intake.raised);
   if (intake.offsets_changed) rebuild_offsets(db, machine, now_ms);
   transaction.commit();
   return intake;

@@ -15,6 +15,8 @@
 #include "server/fleet/live_table.hpp"
 #include "server/fleet/machines.hpp"
 #include "server/fleet/states.hpp"
+#include "server/fleet/value_requests.hpp"
+#include "server/fleet/values.hpp"
 #include "server/library/distribution.hpp"
 
 namespace headstock::fleet {
@@ -194,6 +196,7 @@ Fleet::Fleet(asio::any_io_executor network, db::Store& store, Changes& changes)
     : impl_(std::make_unique<Impl>(std::move(network), store, changes)) {
   store.now([this](db::Database& db) {
     close_after_restart(db);
+    unsettle_after_restart(db);
     impl_->apply(read_picture(db));
   });
 }
@@ -365,7 +368,10 @@ asio::awaitable<std::uint64_t> Fleet::events(std::int64_t machine, std::string s
     return take_in(db, machine, spool_id, events, db::now_ms());
   };
   const Intake intake = co_await impl_->store.run(in_store);
-  if (alive.lock()) impl_->tell(intake, machine);
+  if (alive.lock()) {
+    impl_->tell(intake, machine);
+    if (intake.offsets_changed) values_changed(machine);
+  }
   co_return intake.sequence;
 }
 
@@ -388,6 +394,38 @@ asio::awaitable<void> Fleet::census(std::int64_t machine, json programs) {
   if (alive.lock())
     impl_->changes.publish(
         {"machine", machine, std::make_shared<const json>(json{{"id", machine}, {"changed", "programs"}})});
+}
+
+asio::awaitable<server::MachineAnswer> Fleet::program_requested(std::int64_t machine, std::string name) {
+  if (impl_->distributor == nullptr) co_return server::MachineAnswer{false, "unsupported"};
+  co_return co_await impl_->distributor->requested(machine, std::move(name));
+}
+
+asio::awaitable<void> Fleet::data_report(std::int64_t machine, std::string spool_id, const json& report) {
+  const std::weak_ptr<int> alive = impl_->life;
+  std::int64_t differences = 0;
+  const auto in_store = [&](db::Database& db) {
+    const std::int64_t now = db::now_ms();
+    differences = reconcile(db, machine, spool_id, report, now);
+    return settle_unknown(db, machine, now);
+  };
+  co_await impl_->store.run(in_store);
+  if (!alive.lock()) co_return;
+  if (differences > 0)
+    spdlog::warn("machine {}: {} values are not what its events told; noted as found", machine, differences);
+  if (Entry* entry = impl_->find(machine))
+    entry->parameter_write = report.contains("parameter_write") && report["parameter_write"] == true;
+  values_changed(machine);
+}
+
+void Fleet::values_changed(std::int64_t machine) {
+  impl_->changes.publish(
+      {"machine", machine, std::make_shared<const json>(json{{"id", machine}, {"changed", "values"}})});
+}
+
+bool Fleet::parameter_write(std::int64_t machine) const {
+  const Entry* entry = impl_->find(machine);
+  return entry != nullptr && entry->connected && entry->parameter_write;
 }
 
 void Fleet::transfer_changed(const server::TransferState& state) {

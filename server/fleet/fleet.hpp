@@ -56,7 +56,15 @@ class Fleet : public server::GatewayHost {
   boost::asio::awaitable<std::uint64_t> events(std::int64_t machine, std::string spool_id,
                                                nlohmann::json events) override;
   boost::asio::awaitable<void> census(std::int64_t machine, nlohmann::json programs) override;
+  boost::asio::awaitable<server::MachineAnswer> program_requested(std::int64_t machine, std::string name) override;
   void transfer_changed(const server::TransferState& state) override;
+  boost::asio::awaitable<void> data_report(std::int64_t machine, std::string spool_id,
+                                           const nlohmann::json& report) override;
+
+  /// Tells who watches that values or requests of this machine have changed.
+  void values_changed(std::int64_t machine);
+  /// The machine's own parameter switch, as last reported.
+  bool parameter_write(std::int64_t machine) const;
 
  private:
   struct Impl;

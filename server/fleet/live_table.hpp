@@ -29,7 +29,8 @@ struct Entry {
   std::optional<std::int64_t> received_ms;  ///< of that
   std::int64_t heard_ms = 0;                ///< any sign of life
   bool connected = false, shown_unknown = true, first_live = true;
-  bool same_boot = true;  ///< as it was before the last connection
+  bool same_boot = true;         ///< as it was before the last connection
+  bool parameter_write = false;  ///< its parameter switch, as last reported
   std::int64_t published_ms = 0, saved_ms = 0;
   std::vector<db::AlarmRow> alarms;  ///< active
   std::optional<server::TransferState> drip;

@@ -8,6 +8,7 @@
 
 #include "protocol/wire/certificates.hpp"
 #include "protocol/wire/digest.hpp"
+#include "protocol/wire/expect.hpp"
 #include "protocol/wire/tls.hpp"
 
 namespace headstock::server {
@@ -19,6 +20,7 @@ using std::chrono::milliseconds;
 using wire::Type;
 
 constexpr std::size_t kMaxEventBatches = 4, kMaxEvents = 256;
+constexpr int kMaxRequests = 4;  // of one machine at a time
 constexpr std::size_t kMaxReadBack = 64u << 20;
 /// An agent that sends live states faster than agreed is thinned out, not trusted.
 constexpr milliseconds kLeastLiveInterval{50};
@@ -195,16 +197,6 @@ asio::awaitable<void> AgentSession::watch() {
 
 // ---- what it says
 
-template <class Message, class Handler>
-void AgentSession::with(const wire::Frame& frame, Handler handler) {
-  Message message;
-  const std::string wrong = wire::decode(frame.body, message);
-  if (wrong.empty())
-    handler(message);
-  else
-    connection_->close("message " + std::to_string(static_cast<int>(frame.type)) + ": " + wrong);
-}
-
 bool AgentSession::json_body(const wire::Frame& frame, json& body) {
   std::string wrong = wire::decode_json(frame.body, body);
   if (wrong.empty() && !body.is_object()) wrong = "not a map";
@@ -237,8 +229,18 @@ void AgentSession::handle(const wire::Frame& frame) {
       to_store_.notify();
       break;
     }
+    case Type::data_report: {
+      json report;
+      if (!json_body(frame, report)) break;
+      data_report_ = std::move(report);
+      to_store_.notify();
+      break;
+    }
+    case Type::data_result:
+      on_data_result(frame);
+      break;
     case Type::command_result:
-      with<wire::CommandResult>(frame, [&](const auto& m) {
+      wire::expect<wire::CommandResult>(*connection_, frame, [&](const auto& m) {
         const auto found = answers_.find(m.id);
         if (found == answers_.end()) return;  // too late
         found->second->answer = {m.accepted, m.reason};
@@ -248,20 +250,34 @@ void AgentSession::handle(const wire::Frame& frame) {
       break;
     case Type::credit:
     case Type::drip_resume:
-      with<wire::Credit>(frame, [&](const auto& m) { owner_->on_credit(*this, frame, m); });
+      wire::expect<wire::Credit>(*connection_, frame, [&](const auto& m) { owner_->on_credit(*this, frame, m); });
       break;
     case Type::transfer_result:
-      with<wire::TransferResult>(frame, [&](const auto& m) { on_result(m); });
+      wire::expect<wire::TransferResult>(*connection_, frame, [&](const auto& m) { on_result(m); });
       break;
     case Type::data:
     case Type::data_end:
       on_data(frame);
       break;
+    case Type::program_request:
+      wire::expect<wire::ProgramGet>(*connection_, frame, [&](const auto& m) {
+        if (requests_under_way_ >= kMaxRequests)
+          return void(connection_->send(Type::request_answer, 0,
+                                        wire::encode(wire::CommandResult{m.transfer, false, "busy"})));
+        asio::co_spawn(
+            connection_->executor(),
+            [self = shared_from_this(), m] { return self->program_requested(m.transfer, m.name); }, asio::detached);
+      });
+      break;
+    case Type::refuse:
+      // Good-bye: an agent that is switched off says "shutdown", one that is cut says nothing.
+      wire::expect<wire::Refuse>(*connection_, frame, [&](const auto& m) { connection_->close(m.reason); });
+      break;
     case Type::renew:
-      with<wire::Enrol>(frame, [&](const auto& m) { renew(m); });
+      wire::expect<wire::Enrol>(*connection_, frame, [&](const auto& m) { renew(m); });
       break;
     case Type::certificate_stored:
-      with<wire::CertificateStored>(frame, [&](const auto& m) {
+      wire::expect<wire::CertificateStored>(*connection_, frame, [&](const auto& m) {
         if (renewed_serial_.empty() || m.serial != renewed_serial_) return;
         asio::co_spawn(
             connection_->executor(),
@@ -308,6 +324,10 @@ asio::awaitable<void> AgentSession::store_loop() {
         json programs = std::move(*census_);
         census_.reset();
         co_await owner_->host().census(machine_, std::move(programs));
+      } else if (data_report_) {
+        const json report = std::move(*data_report_);
+        data_report_.reset();
+        co_await owner_->host().data_report(machine_, spool_id_, report);
       } else {
         co_await to_store_.wait();
       }
@@ -366,7 +386,7 @@ void AgentSession::on_data(const wire::Frame& frame) {
     program.text += frame.body;
     return;
   }
-  with<wire::DataEnd>(frame, [&](const wire::DataEnd& end) {
+  wire::expect<wire::DataEnd>(*connection_, frame, [&](const wire::DataEnd& end) {
     program.sha256 = wire::sha256_hex(program.text);
     program.ok = end.bytes == program.text.size() && end.sha256 == program.sha256;
     program.reason = program.ok ? "" : "bad_hash";
@@ -387,11 +407,31 @@ void AgentSession::on_result(const wire::TransferResult& result) {
   }
 }
 
+asio::awaitable<void> AgentSession::program_requested(std::uint64_t request, std::string name) {
+  const auto self = shared_from_this();
+  ++requests_under_way_;
+  MachineAnswer answer{false, "internal"};
+  try {
+    answer = co_await owner_->host().program_requested(machine_, name);
+  } catch (const std::exception& error) {
+    spdlog::error("gateway: machine {} asked for {}: {}", machine_, name, error.what());
+  }
+  --requests_under_way_;
+  if (owner_->stopped()) co_return;
+  spdlog::info("gateway: machine {} asked for {}: {}", machine_, name, answer.accepted ? "sent" : answer.reason);
+  connection_->send(Type::request_answer, 0,
+                    wire::encode(wire::CommandResult{request, answer.accepted, answer.reason}));
+}
+
 void AgentSession::give_up_answers() {
   for (auto& [id, answer] : answers_) {
     if (!answer->done) answer->answer = {false, "link_lost"};
     answer->done = true;
     answer->arrived.notify();
+  }
+  for (auto& [id, writing] : writings_) {
+    if (!writing->result) writing->result = json{{"accepted", false}, {"reason", "link_lost"}};
+    writing->arrived.notify();
   }
   for (auto& [stream, reading] : readings_) {
     if (!reading->done) reading->program.reason = "link_lost";

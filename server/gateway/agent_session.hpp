@@ -49,6 +49,7 @@ class AgentSession : public std::enable_shared_from_this<AgentSession> {
   void refuse(const std::string& reason, const std::string& text = {});
 
   boost::asio::awaitable<MachineAnswer> ask(wire::Type type, wire::Command command);
+  boost::asio::awaitable<nlohmann::json> write_data(nlohmann::json write);  // data_exchange.cpp
   boost::asio::awaitable<ProgramText> get(std::uint64_t transfer, std::string name);
 
  private:
@@ -57,6 +58,11 @@ class AgentSession : public std::enable_shared_from_this<AgentSession> {
     wire::Signal arrived;
     bool done = false;
     MachineAnswer answer;
+  };
+  struct Writing {
+    explicit Writing(const boost::asio::any_io_executor& executor) : arrived(executor) {}
+    wire::Signal arrived;
+    std::optional<nlohmann::json> result;
   };
   struct Reading {
     explicit Reading(const boost::asio::any_io_executor& executor) : arrived(executor) {}
@@ -77,10 +83,10 @@ class AgentSession : public std::enable_shared_from_this<AgentSession> {
   void on_data(const wire::Frame& frame);
   void on_result(const wire::TransferResult& result);
   void renew(const wire::Enrol& request);
-  template <class Message, class Handler>
-  void with(const wire::Frame& frame, Handler handler);
+  boost::asio::awaitable<void> program_requested(std::uint64_t request, std::string name);
   bool json_body(const wire::Frame& frame, nlohmann::json& body);
   void give_up_answers();
+  void on_data_result(const wire::Frame& frame);
 
   std::shared_ptr<SessionOwner> owner_;
   std::shared_ptr<wire::Connection> connection_;
@@ -88,13 +94,15 @@ class AgentSession : public std::enable_shared_from_this<AgentSession> {
   std::int64_t machine_ = 0;
   std::string serial_, renewed_serial_, spool_id_;
   bool greeted_ = false;
+  int requests_under_way_ = 0;
   std::uint32_t streams_ = 0;
   std::uint64_t asked_ = 0, pings_ = 0;
   std::map<std::uint64_t, std::shared_ptr<Answer>> answers_;
   std::map<std::uint32_t, std::shared_ptr<Reading>> readings_;
   std::map<std::uint64_t, std::uint32_t> reading_streams_;
   std::deque<nlohmann::json> events_;
-  std::optional<nlohmann::json> census_;
+  std::optional<nlohmann::json> census_, data_report_;
+  std::map<std::uint64_t, std::shared_ptr<Writing>> writings_;
   std::chrono::steady_clock::time_point last_live_{};
 };
 

@@ -60,7 +60,7 @@ struct Gateway::Impl final : SessionOwner, std::enable_shared_from_this<Impl> {
   asio::ssl::context tls;
   tcp::acceptor acceptor;
   asio::steady_timer renewal;
-  bool stopped_ = false;
+  bool stopped_ = false, leaving = false;
   std::size_t connections = 0;
   std::set<std::shared_ptr<AgentSession>> sessions;
   std::map<std::int64_t, std::shared_ptr<AgentSession>> machines;
@@ -115,9 +115,9 @@ void Gateway::Impl::listen() {
 asio::awaitable<void> Gateway::Impl::accept_loop() {
   const auto self = shared_from_this();
   asio::steady_timer pause(io);
-  while (!stopped_) {
+  while (!stopped_ && !leaving) {
     auto [error, socket] = co_await acceptor.async_accept(kAsTuple);
-    if (stopped_) break;
+    if (stopped_ || leaving) break;
     if (error) {
       // Out of descriptors, mostly: those who are connected go on, and room may come.
       spdlog::error("gateway: cannot accept a connection: {}", error.message());
@@ -323,6 +323,22 @@ void Gateway::start() {
       impl_->io, [impl = impl_] { return impl->renewal_loop(); }, asio::detached);
 }
 
+asio::awaitable<void> Gateway::shut_down(std::chrono::milliseconds patience) {
+  const auto impl = impl_;
+  impl->leaving = true;
+  boost::system::error_code ignored;
+  impl->acceptor.close(ignored);
+  const auto everybody = impl->sessions;
+  for (const auto& session : everybody)
+    if (session->open()) session->refuse("shutdown");
+  asio::steady_timer timer(impl->io);
+  const auto until = std::chrono::steady_clock::now() + patience;
+  while (!impl->machines.empty() && std::chrono::steady_clock::now() < until) {
+    timer.expires_after(std::chrono::milliseconds(5));
+    co_await timer.async_wait(kAsTuple);
+  }
+}
+
 void Gateway::stop() {
   impl_->stop();
 }
@@ -372,6 +388,12 @@ asio::awaitable<MachineAnswer> Gateway::delete_program(std::int64_t machine, std
   command.action = "delete";
   command.name = std::move(name);
   co_return co_await session->ask(Type::program_delete, std::move(command));
+}
+
+asio::awaitable<nlohmann::json> Gateway::write_data(std::int64_t machine, nlohmann::json write) {
+  const auto session = impl_->session_of(machine);
+  if (!session) co_return nlohmann::json{{"accepted", false}, {"reason", "not_connected"}};
+  co_return co_await session->write_data(std::move(write));
 }
 
 asio::awaitable<TransferState> Gateway::put(std::uint64_t transfer, std::int64_t machine, std::string name,

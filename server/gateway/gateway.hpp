@@ -69,7 +69,16 @@ class GatewayHost {
                                                        nlohmann::json events) = 0;
   /// @param programs [{name, sha256, bytes, since_ms}], everything resident in the machine now.
   virtual boost::asio::awaitable<void> census(std::int64_t machine, nlohmann::json programs) = 0;
+  /// The machine asks for the released program of this name (M198, or its operator): opens a drip-feed to it, or says
+  /// why not.
+  virtual boost::asio::awaitable<MachineAnswer> program_requested(std::int64_t machine, std::string name) = 0;
   virtual void transfer_changed(const TransferState& state) = 0;
+  /// Offsets, tool life, parameters and variables as the machine has them on its disk: {sequence, version, values,
+  /// parameter_write}. Comes when every event up to `sequence` was acknowledged. `report` lives until it has returned.
+  virtual boost::asio::awaitable<void> data_report(std::int64_t /*machine*/, std::string /*spool_id*/,
+                                                   const nlohmann::json& /*report*/) {
+    co_return;
+  }
 };
 
 struct GatewayOptions {
@@ -99,6 +108,9 @@ class Gateway {
   /// Throws std::runtime_error with a message for the person who starts the server (port in use, unreadable
   /// key).
   void start();
+  /// Says good-bye ("shutdown") to every agent, so that it knows it was not cut, and takes no new one; returns when they
+  /// are gone or after the time. stop() comes next.
+  boost::asio::awaitable<void> shut_down(std::chrono::milliseconds patience);
   /// Closes everything; transfers end as they are (a drip-feed may be offered again after the next start). No
   /// call of the host begins afterwards. On the io_context's thread, or when it does not run.
   void stop();
@@ -114,6 +126,10 @@ class Gateway {
                                                 std::string user);
   boost::asio::awaitable<MachineAnswer> select(std::int64_t machine, std::string name, std::string user);
   boost::asio::awaitable<MachineAnswer> delete_program(std::int64_t machine, std::string name);
+  /// Writes values into the machine's pages. @param write {request, origin, by, values:[{what, before, after}]}
+  /// @return the data_result (protocol/wire/README.md); without an answer {accepted:false, reason:"not_connected"
+  /// (nothing was sent), "timeout" or "link_lost"}.
+  boost::asio::awaitable<nlohmann::json> write_data(std::int64_t machine, nlohmann::json write);
   /// Sends a program into the machine's memory; progress through GatewayHost::transfer_changed.
   boost::asio::awaitable<TransferState> put(std::uint64_t transfer, std::int64_t machine, std::string name,
                                             std::string sha256, std::shared_ptr<BlobReader> content);

@@ -14,6 +14,9 @@ json to_json(const CheckResult& result) {
                         {"column", finding.column},
                         {"code", finding.code},
                         {"text", {{"en", finding.en}, {"zh", finding.zh}}}});
+  json life = json::array();
+  for (const CheckResult::Life& one : result.life)
+    life.push_back({{"group", one.group}, {"unit", one.unit}, {"need", one.need}});
   for (const AxisBounds& axis : result.bounds) bounds[axis.axis] = {axis.min_mm, axis.max_mm};
   return {{"ok", result.ok},
           {"findings", std::move(findings)},
@@ -24,6 +27,7 @@ json to_json(const CheckResult& result) {
           {"blocks", result.blocks},
           {"bounds", std::move(bounds)},
           {"tools", result.tools},
+          {"life", std::move(life)},
           {"machine", result.machine},
           {"at", db::iso_time(result.at_ms)},
           {"at_ms", result.at_ms}};
@@ -45,6 +49,8 @@ CheckResult check_result_from_json(const json& from) {
   for (const auto& [axis, range] : bounds.items())
     result.bounds.push_back({axis, range.at(0).get<double>(), range.at(1).get<double>()});
   result.tools = from.value("tools", std::vector<std::int64_t>{});
+  for (const auto& one : from.value("life", json::array()))
+    result.life.push_back({one.value("group", std::int64_t{0}), one.value("unit", ""), one.value("need", 0.0)});
   result.machine = from.value("machine", std::int64_t{0});
   result.at_ms = from.value("at_ms", std::int64_t{0});
   return result;

@@ -82,7 +82,7 @@ void add_incomplete(const std::string& reason, CheckResult& result) {
 }  // namespace
 
 std::string checker_version() {
-  return "1";
+  return "2";  // 2: tells what a run takes of the tools' lives
 }
 
 CheckResult run_check(const CheckJob& job) {
@@ -110,6 +110,10 @@ CheckResult run_check(const CheckJob& job) {
       result.bounds.push_back(
           {std::string(1, setup.machine.axes[i].name), estimate.min_mm[i], estimate.max_mm[i]});
     result.tools.assign(estimate.tools.begin(), estimate.tools.end());
+    for (const auto& [group, need] : estimate.life_needed) {
+      const bool uses = setup.data.tool_life.find(group)->unit == tools::LifeUnit::uses;
+      result.life.push_back({group, uses ? "uses" : "seconds", need});
+    }
     for (const auto& alarm : estimate.alarms)
       add(result, alarm.at.line, alarm.at.column, alarm.code, alarm.text_en, alarm.text_zh);
     if (!estimate.complete && result.findings.empty()) {

@@ -43,6 +43,12 @@ struct CheckResult {
   std::int64_t blocks = 0;
   std::vector<AxisBounds> bounds;
   std::vector<std::int64_t> tools;
+  struct Life {
+    std::int64_t group = 0;
+    std::string unit;  ///< uses seconds
+    double need = 0;
+  };
+  std::vector<Life> life;  ///< what one run takes of the tool life groups
   std::int64_t machine = 0, at_ms = 0;
 };
 nlohmann::json to_json(const CheckResult& result);  ///< the shape of server/api/README.md

@@ -3,8 +3,11 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
 #include <map>
 #include <set>
 
@@ -15,6 +18,7 @@
 #include "server/access/audit.hpp"
 #include "server/library/checks.hpp"
 #include "server/library/programs.hpp"
+#include "server/library/request.hpp"
 
 namespace headstock::library {
 
@@ -36,6 +40,9 @@ class StoredText final : public server::BlobReader {
  private:
   std::shared_ptr<db::Blobs::Reader> reader_;
 };
+
+constexpr int kRequestAttempts = 50;
+constexpr std::chrono::milliseconds kRequestPause{20};
 
 bool is_over(const std::string& state) {
   return state == "done" || state == "failed" || state == "cancelled";
@@ -309,6 +316,28 @@ asio::awaitable<db::TransferRow> Distributor::drip(Actor actor, std::int64_t mac
   if (const db::TransferRow* now = impl->find_open(row.id)) row = *now;
   if (impl->changed) impl->changed(row);
   co_return row;
+}
+
+asio::awaitable<server::MachineAnswer> Distributor::requested(std::int64_t machine, std::string name) {
+  const auto look = [name](db::Database& db) { return find_requested(db, name); };
+  const RequestedProgram found = co_await impl_->store.run(look);
+  if (!found.reason.empty()) co_return server::MachineAnswer{false, found.reason};
+  Actor actor;
+  actor.user = std::string("machine:").append(std::to_string(machine));
+  actor.role = access::Role::operator_;
+  asio::steady_timer timer(impl_->network);
+  for (int attempt = 1;; ++attempt) {
+    try {
+      co_await drip(actor, machine, found.program, found.revision);
+      co_return server::MachineAnswer{true, ""};
+    } catch (const db::Refusal& refusal) {
+      // A sub-program called again and again: the machine may ask before the word that the last one is over.
+      if (refusal.code() != "drip_open" || attempt == kRequestAttempts)
+        co_return server::MachineAnswer{false, std::string(refusal.code())};
+    }
+    timer.expires_after(kRequestPause);
+    co_await timer.async_wait(asio::use_awaitable);
+  }
 }
 
 asio::awaitable<db::TransferRow> Distributor::cancel(Actor actor, std::int64_t transfer) {

@@ -70,6 +70,9 @@ class Distributor {
   /// check_failed, drip_open (the machine has one already), machine_refused (where: its reason).
   boost::asio::awaitable<db::TransferRow> drip(access::Actor actor, std::int64_t machine,
                                                std::int64_t program, std::int64_t revision);
+  /// A machine asks for a program by its name (M198, or its operator): the released one of that name, or of that
+  /// O number, is fed to it. Refused with not_found, ambiguous (several folders have one), not_released, or as drip().
+  boost::asio::awaitable<server::MachineAnswer> requested(std::int64_t machine, std::string name);
   /// Refusals: forbidden, not_found, transfer_over.
   boost::asio::awaitable<db::TransferRow> cancel(access::Actor actor, std::int64_t transfer);
   /// The transfer's row with the newest progress (which is not written to disk at every step).

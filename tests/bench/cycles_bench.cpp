@@ -11,10 +11,12 @@ namespace {
 
 using namespace headstock;
 
-std::size_t run(const std::string& text) {
-  const dialects::Dialect* dialect = dialects::find("fanuc-0i-t");
-  const machine::Machine machine = *machine::default_machine("fanuc-0i-t");
+std::size_t run_on(const char* profile, const std::string& text) {
+  const dialects::Dialect* dialect = dialects::find(profile);
+  const machine::Machine machine = *machine::default_machine(profile);
   interp::MachineData data;
+  data.tools.resize(2);
+  data.tools[1].radius = 1;
   interp::Interpreter interpreter(*dialect, machine, data, nullptr);
   interpreter.start(program::source_from_text(text), {});
   interp::Operation operation;
@@ -24,6 +26,13 @@ std::size_t run(const std::string& text) {
     ++count;
   }
   return count;
+}
+
+std::size_t run(const std::string& text) {
+  return run_on("fanuc-0i-t", text);
+}
+std::size_t run_mill(const std::string& text) {
+  return run_on("fanuc-0i-m", text);
 }
 
 // A shaft of 1,000 blocks, monotonic, roughed in 40 cuts.
@@ -41,7 +50,8 @@ std::string plain(std::size_t blocks) {
   std::string text = "O1\nG98 G01 F200\n";
   char line[64];
   for (std::size_t i = 0; i < blocks; ++i) {
-    std::snprintf(line, sizeof line, "G01 X%.3f Z%.3f\n", 40 + 0.01 * static_cast<double>(i % 900), -0.3 * static_cast<double>(i % 700));
+    std::snprintf(line, sizeof line, "G01 X%.3f Z%.3f\n", 40 + 0.01 * static_cast<double>(i % 900),
+                  -0.3 * static_cast<double>(i % 700));
     text += line;
   }
   return text + "M30\n";
@@ -55,6 +65,40 @@ void BM_G71_1000_blocks(benchmark::State& state) {
   state.counters["operations"] = static_cast<double>(made);
 }
 BENCHMARK(BM_G71_1000_blocks)->Unit(benchmark::kMillisecond);
+
+// A contour of lines and arcs; with G41 its cost is compared with the same contour without.
+std::string contour(bool compensated, std::size_t blocks) {
+  std::string text = compensated ? "O1\nG90 G94 G00 X-10. Y0\nG41 G01 X0 Y0 D1 F500\n"
+                                 : "O1\nG90 G94 G00 X-10. Y0\nG01 X0 Y0 F500\n";
+  char line[80];
+  for (std::size_t i = 0; i < blocks; ++i) {
+    const double x = 10.0 * static_cast<double>(i + 1), y = i % 2 == 0 ? 6 : 0;
+    if (i % 5 == 4) {
+      std::snprintf(line, sizeof line, "G02 X%.3f Y%.3f R20.\nG01\n", x, y);
+    } else {
+      std::snprintf(line, sizeof line, "X%.3f Y%.3f\n", x, y);
+    }
+    text += line;
+  }
+  return text + "G40 X0 Y-10.\nM30\n";
+}
+
+void run_contour(benchmark::State& state, bool compensated) {
+  const std::string text = contour(compensated, 10'000);
+  std::size_t made = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(made = run_mill(text));
+  if (made == 0) state.SkipWithError("alarm");
+  state.counters["operations"] = static_cast<double>(made);
+  state.counters["blocks_per_s"] = benchmark::Counter(10'000, benchmark::Counter::kIsIterationInvariantRate);
+}
+void BM_contour_plain(benchmark::State& state) {
+  run_contour(state, false);
+}
+void BM_contour_compensated(benchmark::State& state) {
+  run_contour(state, true);
+}
+BENCHMARK(BM_contour_plain)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_contour_compensated)->Unit(benchmark::kMillisecond);
 
 // The reference: as many plain blocks as the cycle reads and makes.
 void BM_plain_blocks(benchmark::State& state) {

@@ -24,7 +24,7 @@
 #include "link/live_json.hpp"
 #include "link/program_memory.hpp"
 #include "link/spool.hpp"
-#include "tests/unit/link/temporary_folder.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace {
 
@@ -84,6 +84,7 @@ class SimulatedMachine final : public link::LinkHost {
                                        std::unique_ptr<program::Source>, std::uint64_t) override {
     return {false, "simulated"};
   }
+  void request_answered(const std::string&, const operation::CommandResult&) override {}
   void link_up(const link::ServerSettings&) override {}
   void link_lost(const std::string&) override {}
 

@@ -51,8 +51,6 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     await shop.call("POST", `/programs/${made.program.id}/revisions/1/release`, { why: "test" });
     browser = await openBrowser();
     page = browser.page;
-    await shop.call("POST", "/session/password", { old: shop.password, new: "a good Passw0rd" });
-    shop.password = "a good Passw0rd";
     await signIn(page, shop);
   });
   after(async () => {

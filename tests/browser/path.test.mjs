@@ -85,7 +85,7 @@ const parts = async (id) => (await shop.list(`/parts?machine=${id}`)).length;
 describe("the path of a part", { skip: built() ? false : "headstock-server and headstock-agent are not built" }, () => {
   const ids = {};
   before(async () => {
-    shop = await Shop.start();
+    shop = await Shop.start({ keepFirst: true });
     browser = await openBrowser({ language: "en" });
     page = browser.page;
   });

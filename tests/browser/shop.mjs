@@ -40,7 +40,8 @@ export class Shop {
   processes = [];
   agents = new Map();
 
-  static async start() {
+  /// `keepFirst`: leaves the first sign-in as it is, with which the server allows nothing but choosing a password.
+  static async start({ keepFirst = false } = {}) {
     const shop = new Shop();
     shop.data = mkdtempSync(join(tmpdir(), "headstock-shop-"));
     shop.port = await freePort();
@@ -51,6 +52,10 @@ export class Shop {
     shop.user = /^user: *(.*)$/m.exec(first)[1];
     shop.password = /^password: *(.*)$/m.exec(first)[1];
     await shop.signIn();
+    if (!keepFirst) {
+      await shop.call("POST", "/session/password", { old: shop.password, new: "a good Passw0rd" });
+      shop.password = "a good Passw0rd";
+    }
     return shop;
   }
 

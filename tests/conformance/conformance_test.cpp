@@ -120,11 +120,14 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
           seen.values["at"] = op.at_position;
           seen.values["input"] = op.input;
           seen.values["level"] = op.input_level ? 1 : 0;
+          seen.values["counts"] = op.counts_part ? 1 : 0;
+          seen.values["clears"] = op.clears_parts ? 1 : 0;
         } else if constexpr (std::is_same_v<T, interp::Message>) {
           seen.op = "message";
-          seen.word = op.kind == interp::MessageKind::open    ? "open"
-                      : op.kind == interp::MessageKind::close ? "close"
-                                                              : one_word(op.text);
+          seen.word = op.kind == interp::MessageKind::open        ? "open"
+                      : op.kind == interp::MessageKind::close     ? "close"
+                      : op.kind == interp::MessageKind::statement ? "statement"
+                                                                  : one_word(op.text);
         } else if constexpr (std::is_same_v<T, interp::Stop>) {
           seen.op = "stop";
         } else if constexpr (std::is_same_v<T, interp::Alarm>) {
@@ -166,6 +169,7 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
         seen.values["line"] = op.at.line;
         seen.values["program"] = op.at.program;
         seen.values["n"] = op.at.sequence;
+        seen.values["part"] = op.at.part;
       },
       operation);
   return seen;
@@ -276,6 +280,12 @@ bool apply_settings(const std::string& settings, interp::Switches& switches) {
       switches.decimal_point = interp::DecimalPoint::pocket;
     } else if (word == "decimal_point=standard") {
       switches.decimal_point = interp::DecimalPoint::standard;
+    } else if (word.rfind("most_jumps=", 0) == 0) {
+      switches.most_jumps = std::stoull(word.substr(11));
+    } else if (word == "origin=mdi") {
+      switches.origin = interp::ProgramOrigin::mdi;
+    } else if (word == "origin=dnc") {
+      switches.origin = interp::ProgramOrigin::dnc;
     } else if (word == "optional_stop=true") {
       switches.optional_stop = true;
     } else if (word.rfind("block_skip=", 0) == 0) {
@@ -295,6 +305,21 @@ std::vector<fs::path> case_files() {
   }
   std::sort(files.begin(), files.end());
   return files;
+}
+
+// `skip_at: X198`: the next probe move ends there; `-`: no signal comes.
+void end_probe(interp::Interpreter& interpreter, const interp::Operation& operation,
+               const machine::Machine& machine, std::istream& places) {
+  const auto* probe = std::get_if<interp::Feed>(&operation);
+  std::string place;
+  if (probe == nullptr || probe->skip_signals == 0 || !(places >> place)) return;
+  machine::AxisVector at = probe->end_machine;
+  const auto axis = machine.axis_index(place[0]);
+  if (axis) {
+    const bool diameter = machine.axes[*axis].designation == machine::Designation::diameter;
+    at[*axis] += (std::stod(place.substr(1)) - probe->end_work[*axis]) * (diameter ? 0.5 : 1);
+  }
+  interpreter.skip_ended(at, axis.has_value());
 }
 
 class Conformance : public testing::TestWithParam<fs::path> {};
@@ -336,6 +361,7 @@ TEST_P(Conformance, AsTheManualSays) {
   interpreter.set_switches(switches);
   interpreter.start(program::source_from_text(one.program), position(setting("start"), machine));
 
+  std::istringstream probes(setting("skip_at"));
   interp::Operation operation;
   while (seen.size() < 1'000 && interpreter.next(operation) == interp::Pull::operation) {
     Seen next = describe(operation, machine);
@@ -348,6 +374,7 @@ TEST_P(Conformance, AsTheManualSays) {
     if (!setting("collapse").empty() && collapse(next, seen, machine)) continue;
     if (show == "  " || show.find(" " + next.op + " ") != show.npos || next.op == "alarm")
       seen.push_back(next);
+    end_probe(interpreter, operation, machine, probes);
   }
   for (std::size_t i = 0; i < std::max(seen.size(), one.expected.size()); ++i) {
     ASSERT_LT(i, one.expected.size()) << GetParam().string() << ": more than expected: " << seen[i].text();

@@ -58,6 +58,13 @@ class Server:
         text = (self.data / "first-sign-in").read_text()
         return re.search(r"^password: (.*)$", text, re.M).group(1)
 
+    def administrator(self):
+        """Signed in as the first administrator, who has chosen a password: before that the server lets nobody do more."""
+        first = self.first_password()
+        admin = Client(self).sign_in("admin", first)
+        admin.ok("POST", "/session/password", {"old": first, "new": "turn every handle 1"})
+        return admin
+
     def raw(self, timeout=20):
         return socket.create_connection(("127.0.0.1", self.port), timeout)
 

@@ -38,10 +38,11 @@ class WithServer(unittest.TestCase):
     def setUpClass(cls):
         cls.server = Server(arguments=cls.arguments).start()
         cls.addClassCleanup(cls.server.close)
-        cls.admin = Client(cls.server).sign_in("admin", cls.server.first_password())
+        cls.admin = cls.server.administrator()
         cls.people = {}
         for role in ROLES:
-            cls.admin.ok("POST", "/users", {"user": "t_" + role, "password": "a good Passw0rd", "role": role})
+            cls.admin.ok("POST", "/users", {"user": "t_" + role, "password": "a good Passw0rd", "role": role,
+                                           "must_change_password": False})
             cls.people[role] = Client(cls.server).sign_in("t_" + role, "a good Passw0rd")
 
     def alive(self):
@@ -172,7 +173,7 @@ class Sessions(WithServer):
         self.assertEqual(person.call("GET", "/session")[0], 401)
 
     def test_repeated_wrong_passwords_lock(self):
-        self.admin.ok("POST", "/users", {"user": "forgetful", "password": "a good Passw0rd", "role": "viewer"})
+        self.admin.ok("POST", "/users", {"user": "forgetful", "password": "a good Passw0rd", "role": "viewer", "must_change_password": False})
         seen = [Client(self.server).call("POST", "/session", {"user": "forgetful", "password": "wrong"})[0] for _ in range(8)]
         self.assertEqual(seen[0], 401)
         self.assertEqual(seen[-1], 429)
@@ -273,7 +274,7 @@ class FullDisk(unittest.TestCase):
         (pathlib.Path(folder) / "data").mkdir()
         server.start()
         self.addCleanup(server.stop)
-        admin = Client(server).sign_in("admin", server.first_password())
+        admin = server.administrator()
         admin.upload("small.nc", PROGRAM)
         status, answer, _ = admin.call("POST", "/programs?name=big.nc", raw=b"G01 X1 Y1\n" * 3_000_000)
         self.assertEqual((status, answer["error"]["code"]), (507, "disk_full"))
@@ -496,7 +497,7 @@ class StartAndStop(unittest.TestCase):
         self.assertEqual(self.server.stop(signal.SIGINT), 0)
 
     def test_killed_at_any_moment_keeps_what_was_said_stored(self):
-        admin = Client(self.server).sign_in("admin", self.server.first_password())
+        admin = self.server.administrator()
         up = admin.upload("kept.nc", PROGRAM)
         token = admin.token
         self.server.stop(signal.SIGKILL)

@@ -20,6 +20,7 @@ ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "../.."))
 BIN = os.environ.get("HEADSTOCK_BIN", os.path.join(ROOT, "build/release/bin"))
 # A test that waits longer than this has failed; nothing is judged by how long it took below it.
 PATIENCE_S = 60.0
+ADMIN_PASSWORD = "turn every handle 1"
 MACHINE_FILES = {"fanuc-0i-t": "lathe-1.toml", "fanuc-0i-m": "mill-1.toml", "gsk-2000tc": "lathe-2.toml"}
 
 
@@ -207,20 +208,39 @@ class Shop:
         self.keep = keep or bool(os.environ.get("HEADSTOCK_KEEP"))
         self.http_port, self.agent_port = free_port(), free_port()
         self.processes = []
+        self.changed = False
         self.server = None
+        self.server_arguments = []
         self.admin = Client(f"http://127.0.0.1:{self.http_port}")
 
     def start_server(self, wait=True):
         self.server = Process([program("headstock-server"), "--data", os.path.join(self.folder, "server"),
-                               "--port", str(self.http_port), "--agent-port", str(self.agent_port)],
-                              os.path.join(self.folder, "server.log"))
+                               "--port", str(self.http_port), "--agent-port", str(self.agent_port),
+                               *self.server_arguments], os.path.join(self.folder, "server.log"))
         self.processes.append(self.server)
         if wait:
             eventually(lambda: self.server.running() and self.admin.call("GET", "/health"), "server answers")
             if not self.admin.token:
                 user, password = self.first_sign_in()
                 self.admin.sign_in(user, password)
+                # The server lets the first administrator do nothing before that.
+                self.admin.post("/session/password", {"old": password, "new": ADMIN_PASSWORD})
+                self.changed = True
         return self
+
+    def start_server_only(self):
+        """Of a shop that has its people already: nobody is signed in."""
+        self.start_server(wait=False)
+        eventually(lambda: self.server.running() and self.admin.call("GET", "/health"), "server answers")
+
+    def administrator(self):
+        """User and password that hold now."""
+        return ("admin", ADMIN_PASSWORD) if self.changed else self.first_sign_in()
+
+    def person(self, user, role, name=None):
+        """A client signed in as a new user who has chosen a password."""
+        self.admin.post("/users", {"user": user, "name": name or user, "role": role, "password": "correct horse 1", "must_change_password": False})
+        return Client(self.admin.base).sign_in(user, "correct horse 1")
 
     def first_sign_in(self):
         with open(os.path.join(self.folder, "server", "first-sign-in"), encoding="utf-8") as file:

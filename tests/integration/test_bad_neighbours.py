@@ -135,7 +135,8 @@ class Roles(ShopTest):
         machine = self.shop.admin.post("/machines", {"name": "Lathe 1", "profile": "fanuc-0i-t"})["id"]
         clients = {}
         for role in ("viewer", "operator", "programmer", "setter"):
-            self.shop.admin.post("/users", {"user": role, "name": role, "role": role, "password": "correct horse " + role})
+            self.shop.admin.post("/users", {"user": role, "name": role, "role": role, "password": "correct horse " + role,
+                                              "must_change_password": False})
             clients[role] = Client(self.shop.admin.base).sign_in(role, "correct horse " + role)
         attempts = {
             "viewer": [("POST", f"/machines/{machine}/commands", {"action": "cycle_start"}),

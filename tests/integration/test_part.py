@@ -42,7 +42,7 @@ class PathOfAPart(ShopTest):
 
     def test_the_command_line_does_the_same(self):
         agent = self.shop.agent("Lathe 1", "fanuc-0i-t").start()
-        user, password = self.shop.first_sign_in()
+        user, password = self.shop.administrator()
         home = {"HOME": self.shop.folder, "PATH": "/usr/bin:/bin", "LANG": "C.UTF-8"}
 
         def headstock(*words, status=0, stdin=None):

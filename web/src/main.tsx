@@ -6,6 +6,7 @@ import "./style/controls.css";
 import "./style/floor.css";
 import "./style/machine.css";
 import "./style/times.css";
+import "./style/data.css";
 import "./style/programs.css";
 import { App } from "./shell/App";
 

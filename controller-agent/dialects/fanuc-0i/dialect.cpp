@@ -20,8 +20,11 @@ constexpr ParameterRange kAxisParameters[] = {
     {3620, 3627}, {5401, 5401}, {5421, 5421}, {5440, 5440}, {6287, 6287}, {7310, 7310}};
 constexpr ParameterRange kSpindleParameters[] = {{3700, 4999}};
 
-constexpr Option kOptions[] = {
-    {"8136#0", 520, 520}, {"8136#0", 540, 590}, {"8136#1", 921, 921}, {"8136#1", 503, 503}, {"8136#2", 541, 541}};
+constexpr Option kOptions[] = {{"8136#0", 520, 520},
+                               {"8136#0", 540, 590},
+                               {"8136#1", 921, 921},
+                               {"8136#1", 503, 503},
+                               {"8136#2", 541, 541}};
 
 void set_common_modes(ModeRules& modes) {
   modes.options = kOptions;
@@ -47,6 +50,14 @@ void set_common_modes(ModeRules& modes) {
   modes.skip_feed_parameter = "6207#1";
   modes.skip_step_feed_parameter = "6207#2";
   modes.skip_override_parameter = "6200#7";
+  modes.skip_off_parameter = "6201#7";
+  modes.inch_parameter = "0000#2";
+  modes.rotary_linear_parameter = "1006#1";
+  modes.mdi_form_parameter = "3401#4";
+  modes.mdi_absolute_parameter = "3401#5";
+  modes.scale_enable_parameter = "5401#0";
+  modes.fine_angle_parameter = "11630#0";
+  modes.skip_low_parameter = "6200#1";
   modes.dwell_p_scales = true;
   modes.dwell_ms_parameter = "1015#7";
   modes.stroke_2_most = "1322";
@@ -90,6 +101,7 @@ void set_common_life(ToolLifeRules& life) {
 
 Dialect make_common() {
   Dialect d;
+  d.reference_refused_in_cycle = true;  // PS0044
   set_alarm_codes(d, "PS0010",
                   {{R::no_address, "PS0004"},
                    {R::no_data, "PS0005"},
@@ -119,6 +131,16 @@ Dialect make_common() {
                    {R::reference_number, "PS0046"},
                    {R::no_intermediate, "PS0305"},
                    {R::length_axis, "PS0027"},
+                   {R::length_axes, "PS0336"},
+                   {R::step_in_compensation, "PS0042"},
+                   {R::measure_signal, "PS0080"},
+                   {R::measure_number, "PS0081"},
+                   {R::measure_with_offset, "PS0082"},
+                   {R::measure_axis, "PS0083"},
+                   {R::reference_in_cycle, "PS0044"},
+                   {R::compensation_no_avoidance, "PS5446"},
+                   {R::compensation_danger, "PS5447"},
+                   {R::compensation_again, "PS5448"},
                    {R::offset_number, "PS0030"},
                    {R::work_number, "PS0030"},
                    {R::data_input, "PS1144"},
@@ -164,6 +186,8 @@ Dialect make_common() {
                    {R::spindle_number, "PS5305"},
                    {R::m_combination, "PS5016"},
                    {R::position_overflow, "PS1160"},
+                   {R::too_many_words, "PS5006"},
+                   {R::interrupted_transform, "PS1101"},
                    {R::arc_increments, "PS5064"}});
   d.m_rules = usual_m_rules();
   d.m_rules.push_back({6, MAction::machine});
@@ -180,6 +204,16 @@ Dialect make_common() {
   d.setting_refused_parameter = "1202#2";
   d.no_count_parameter = "6700#0";
   d.linear_rapid_parameter = "1401#1";
+  d.part_count_m_parameter = "6710";
+  d.rigid_m_parameter = "5210";
+  d.interruption.between_parameter = "6003#2";
+  d.interruption.level_parameter = "6003#3";
+  d.look_ahead = {.stops = true,
+                  .machine_moves = true,
+                  .held_m = "3411",
+                  .held_m_ranges = "3421",
+                  .held_m_count = 10,
+                  .held_m_range_count = 12};
   d.dwell_turns_parameter = "3405#1";
   d.more_m_parameter = "3404#7";
   d.repeated_alarm_parameter = "3403#6";
@@ -210,6 +244,8 @@ Dialect make_fanuc_0i_t() {
   d.life.per_offset_parameter = "6801#1";
   d.set_alarm_code(R::no_intermediate, "PS0010");  // M alarms: no G29, no G43 here
   d.set_alarm_code(R::length_axis, "PS0010");
+  d.set_alarm_code(R::length_axes, "PS0010");  // both M only, as G43-G48 are
+  d.set_alarm_code(R::step_in_compensation, "PS0010");
   d.set_alarm_code(R::polar_axis, "PS0145");
   d.set_alarm_code(R::polar_code, "PS0146");
   d.set_alarm_code(R::look_ahead_format, "PS0109");
@@ -225,13 +261,29 @@ Dialect make_fanuc_0i_t() {
   add_g_codes(d, tables::gcodes_fanuc_0i_t);
   d.incremental_letters[0] = true;  // U W V H (8.1)
   d.hole_clamp_parameter = "5110";
-  d.arcs.negative_r = false;        // PS0023 is a T alarm
+  d.arcs.negative_r = false;  // PS0023 is a T alarm
   d.tools = {.lathe = true,
              .offset_digits = 2,
              .offset_digits_parameter = "5028",
              .geometry_by_tool_parameter = "5002#1",
              .sign = 1,
              .most_offsets = 200};
+  // 0i-D parameters 5002, 5004, 5006, 5040; digests d1 7.1, d2 7.
+  d.tool_offsets.wear_shift_parameter = "5002#2";          // LWT
+  d.tool_offsets.geometry_move_parameter = "5002#4";       // LGT
+  d.tool_offsets.with_next_move_parameter = "5002#6";      // LWM
+  d.tool_offsets.radius_parameter = "5004#1";              // ORC
+  d.tool_offsets.wear_diameter_parameter = "5040#0";       // OWD
+  d.tool_offsets.single_parameter = "8136#6";              // NGW
+  d.tool_offsets.reset_clears_wear_parameter = "5006#3";   // LVC
+  d.tool_offsets.reset_clears_shift_parameter = "5003#7";  // TGC
+  d.tool_offsets.few_parameter = "8136#5";                 // NDO
+  d.tool_offsets.few = 64;
+  d.measure = {.feed = {"6241", {}, "6242"},
+               .gamma = {"6251", {}, "6252"},
+               .epsilon = {"6254", {}, "6255"},
+               .axis = {'X', 'Z'},
+               .subtract_parameter = "6210#6"};
   d.corner_words = letters("IJKRCA");
   d.t_refused_with_actions = true;  // PS0245
   d.modes.stroke_group = 9;
@@ -290,6 +342,17 @@ Dialect make_fanuc_0i_m() {
              .geometry_by_tool_parameter = {},
              .sign = 1,
              .most_offsets = 400};
+  d.tool_offsets.few_parameter = "8136#5";  // NDO
+  d.tool_offsets.few = 32;
+  d.tool_offsets.normal_axis_parameter = "5001#1";         // TLB
+  d.tool_offsets.named_axis_parameter = "5001#0";          // TLC
+  d.tool_offsets.several_axes_parameter = "5001#3";        // TAL
+  d.tool_offsets.at_once_parameter = "5001#6";             // EVO
+  d.tool_offsets.reset_keeps_length_parameter = "5003#6";  // LVK
+  d.measure = {.feed = {"6241", "6242", "6243"},
+               .gamma = {"6251", "6252", "6253"},
+               .epsilon = {"6254", "6255", "6256"},
+               .subtract_parameter = "6210#6"};
   d.power_on_switches = {{"3402#0", {10, 10, 10}},
                          {"3402#1", {180, 180, 180}},
                          {"3402#2", {190, 190, 190}},

@@ -18,6 +18,12 @@ macro::Rules make_rules(bool lathe) {
   r.common = {{{100, 199, false}, {500, 999, true}}};
   r.retained_start_at_zero = true;  // K.17
   r.keep_volatile_parameter = "6001#6";
+  r.single_block_parameter = "6000#5";
+  r.switched_single_block_parameter = "6000#7";
+  r.fast_goto_first_parameter = "6000#1";
+  r.fast_goto_recent_parameter = "6000#4";
+  r.sequence_call_parameter = "6005#0";
+  r.external_in_mdi_parameter = "11630#1";
   r.protect_first = "6031";
   r.protect_last = "6032";
   r.signed_angles_parameter = "6004#0";
@@ -28,6 +34,8 @@ macro::Rules make_rules(bool lathe) {
   r.macro_calls = r.modal_calls = true;
   r.whole_arguments = lathe ? letters("DHMQST") : letters("BDEHMSTUVW");
   r.lone_cancel_parameter = "6000#0";
+  r.typed_arguments_parameter = "3452#7";
+  if (lathe) r.decimal_d_parameter = "6019#2";
   r.g_macros = {"6050", 10, 9010};
   r.g_macro_block = {"6038", "6039", "6040"};
   r.m_macros = {"6080", 10, 9020};
@@ -198,7 +206,11 @@ void add_fanuc_macros(Dialect& d) {
            {R::macro_name_long, "PS1097"},     {R::macro_subscript, "PS1099"},
            {R::macro_names_form, "PS1139"},    {R::macro_name_character, "PS1141"},
            {R::macro_set_name_long, "PS1142"}, {R::macro_print_form, "PS1143"},
-           {R::external_not_found, "PS1079"},  {R::external_twice, "PS1080"}}) {
+           {R::external_not_found, "PS1079"},  {R::external_in_mdi, "PS1081"},
+           {R::mdi_jump, "PS0377"},            {R::interrupted_cycle, "PS0324"},
+           {R::external_in_dnc, "PS0210"},
+           {R::mdi_compensation, "PS5257"},
+           {R::macro_word_unknown, "PS0199"},  {R::call_in_hole_cycle, "PS5329"},  {R::external_twice, "PS1080"}}) {
     d.set_alarm_code(reason, code);
   }
 }

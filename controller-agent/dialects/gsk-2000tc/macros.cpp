@@ -53,6 +53,8 @@ macro::Rules make_rules() {
   r.locals = 50;
   r.common = {{{100, 199, false}, {500, 999, true}}};
   r.clear_volatile_parameter = "S173.0";
+  r.clear_locals_parameter = "S173.1";
+  r.single_block_parameter = "S207.6";
   r.signed_angles_parameter = "S180.7";
   r.alarm_prefix = "";
   r.alarm_digits = 1;

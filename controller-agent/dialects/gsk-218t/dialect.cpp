@@ -1,6 +1,7 @@
 // GSK 218T lathe control.
 #include "dialects/build.hpp"
 #include "dialects/gsk/family.hpp"
+#include "dialects/gsk/h_codes.hpp"
 #include "dialects/gsk/language.hpp"
 #include "program/block.hpp"
 #include "tables/gcodes_gsk_218t.hpp"
@@ -17,7 +18,8 @@ Dialect make_gsk_218t() {
                                      {R::too_many_m, "129"},
                                      {R::dwell_words, "168"}})
     d.set_alarm_code(reason, code);
-  add_g_codes(d, tables::gcodes_gsk_218t);
+  static constexpr OwnHandler kOwn[] = {{"h_code", Phase::action, gsk::run_h_code_218t}};
+  add_g_codes(d, tables::gcodes_gsk_218t, kOwn);
   // All other codes, M01 and M02 too (L805), are an alarm or call a sub-program.
   std::erase_if(d.m_rules, [](const MRule& rule) { return rule.code == 1 || rule.code == 2; });
   for (const MRule rule : {MRule{8, MAction::machine, 13},
@@ -31,12 +33,18 @@ Dialect make_gsk_218t() {
   d.numbers.addresses = letters("FHIJKLPQRSTUWXZ");
   d.numbers.pointed = letters("FIJKPQRUWXZ");
   d.numbers.negative = letters("IKRUWXZ");
+  d.modes.inch_parameter = "P001.6";
+  d.modes.x_radius_parameter = "P001.2";
   d.arcs.negative_r = false;
   d.arcs.r_and_center_is_alarm = true;
   d.threads.f_and_i_is_alarm = true;
   d.threads.lead_along_path = true;
   d.calls.most_repeats = 999;
   d.tools.most_offsets = 64;
+  d.tool_offsets.shift_parameter = "P002.0";
+  d.tool_offsets.radius_parameter = "P002.5";
+  d.tool_offsets.reset_clears = true;
+  d.tool_offsets.reset_keeps_parameter = "P002.6";
   d.same_group = Repeated::alarm;
   d.both_forms = BothForms::alarm;
   d.longest_block = 255;

@@ -20,6 +20,7 @@ macro::Rules make_rules() {
   r.locals = 0;
   r.common = {{{200, 231, false}, {500, 515, true}}};
   r.clear_volatile_parameter = "P013.1";  // RTMC
+  r.single_block_parameter = "P013.0";    // SBKM
   r.most_brackets = 0;
   r.nine_is_indirect = true;  // #9200 is #[#200] (L2199)
   r.alarm_prefix = "";

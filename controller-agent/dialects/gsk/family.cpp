@@ -51,6 +51,17 @@ Dialect family() {
                    {R::program_not_found, "078"},
                    {R::sequence_not_found, "078"},
                    {R::nesting, "077"},
+                   {R::macro_goto_target, "128"},
+                   {R::macro_goto_range, "128"},
+                   {R::macro_divide, "017"},
+                   {R::macro_with_words, "081"},
+                   {R::macro_variable, "115"},
+                   {R::macro_protected, "115"},
+                   {R::macro_write_only, "115"},
+                   {R::macro_argument, "079"},
+                   {R::h_code, "114"},
+                   {R::h_target, "147"},
+                   {R::h_operand, "169"},
                    {R::call_count, "163"}});
   for (bool& by_letter : d.incremental_letters) by_letter = true;
   d.m_rules = usual_m_rules();

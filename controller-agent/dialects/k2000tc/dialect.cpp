@@ -28,6 +28,10 @@ constexpr OwnHandler kOwn[] = {
     {"modify_parameters", Phase::action, modify_parameters},
     {"hypothetical_axis", Phase::action, hypothetical_axis},
     {"spindle_thread", Phase::action, spindle_thread},
+    {"spindle_thread_cycle", Phase::motion, spindle_thread_cycle},
+    {"cylinder_k2000", Phase::action, cylinder},
+    {"polar_interpolation_on_k2000", Phase::action, polar_interpolation_on},
+    {"polar_interpolation_off_k2000", Phase::setting, polar_interpolation_off},
     {"diameter_or_radius", Phase::action, diameter_or_radius},
     {"machine_move_k2000", Phase::action, machine_move},
     {"fast_machine_move", Phase::action, fast_machine_move},
@@ -83,21 +87,34 @@ Dialect make_k2000tc() {
                                 {R::no_intermediate, "PS0093"},
                                 {R::machine_incremental, "PS0241"},
                                 {R::offset_number, "PS0030"},
+                                {R::measure_signal, "PS0080"},
+                                {R::measure_number, "PS0081"},
+                                {R::measure_with_offset, "PS0082"},
+                                {R::measure_axis, "PS0083"},
                                 {R::data_input, "PS0032"},
                                 {R::data_value, "PS0032"},
                                 {R::call_without_p, "PS0078"},
                                 {R::program_not_found, "PS0078"},
                                 {R::sequence_not_found, "PS0128"},
                                 {R::nesting, "PS0077"},
+                                {R::polar_axis, "PS0120"},
+                                {R::polar_code, "PS0009"},
+                                {R::cylinder_axis, "PS0108"},
+                                {R::cylinder_code, "PS0009"},
                                 {R::call_count, "PS0078"}});
   add_g_codes(d, tables::gcodes_k2000tc, k2000tc::kOwn);
   d.make_own = k2000tc::make_language;
   d.incremental_letters[0] = true;
   d.m_rules = usual_m_rules();
-  for (const std::int32_t own : {6, 91, 92, 93, 94}) d.m_rules.push_back({own, MAction::own});
-  for (const std::int32_t macro : {96, 97}) d.m_rules.push_back({macro, MAction::unavailable});
+  for (const std::int32_t own : {6, 91, 92, 93, 94, 96, 97}) d.m_rules.push_back({own, MAction::own});
+  d.interruption = {.between_parameter = {},
+                    .inside_parameter = "P4100.3",  // INTT
+                    .level_parameter = "P4100.2",   // TSE: which value is which is not printed; as on 0i-D
+                    .resets_modes = true,
+                    .repeats_block = true};
   d.power_on_switches = {{"P2500.7", {10, 10, 10}}};
   d.modes.compensation_group = 7;
+  d.modes.free_surfaces = true;
   d.modes.reference_parameters = {"P0511", "P0512", ""};
   d.modes.scale_in_thousandths = true;
   d.modes.scale_by_words = true;
@@ -109,11 +126,21 @@ Dialect make_k2000tc() {
   d.numbers.most_digits = 17;               // only the digits left after cutting count
   d.numbers.addresses = letters("ABCDEFHIJKLPQRSTUVWXYZ");
   d.numbers.pointed = letters("ABCEFHIJKQRUVWXYZ");
+  d.numbers.pointed_counts_parameter = "P3300.1";  // PQDOT
   d.numbers.negative = letters("ABCHIJKQRUVWXYZ");
   d.arcs = {.tolerance_mm = 0.01, .tolerance_parameter = "P6450"};
   d.threads = {.inch_word = true, .f_and_i_is_alarm = true, .f_is_feed_too = true};
   d.calls = {.nesting = 63, .l_repeats = false, .most_repeats = 9'999};
   d.tools = {.lathe = true, .offset_digits = 2, .sign = 1, .most_offsets = 32};
+  d.tool_offsets.by_shift = false;  // L15039: the T block moves
+  d.tool_offsets.radius_parameter = "P3200.4";
+  d.tool_offsets.axis_parameter = "P3201.0";
+  d.measure = {.feed = {"P4610", {}, {}},
+               .gamma = {"P4611", {}, {}},
+               .epsilon = {"P4612", {}, {}},
+               .axis = {'X', 'Z'},
+               .subtract_parameter = {},
+               .into_geometry = true};
   d.corner_words = letters("IJKRCA");
   d.both_forms = BothForms::alarm;
   d.end_of_text = EndOfText::end;  // `%` without M30: reset state (L9340)
@@ -122,6 +149,7 @@ Dialect make_k2000tc() {
   d.first_g10_work = 0;
   d.machine_incremental_is_alarm = true;
   d.linear_rapid_parameter = "P0004.1";
+  d.look_ahead.stops = true;  // L8655
   return d;
 }
 

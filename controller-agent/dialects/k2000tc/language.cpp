@@ -243,7 +243,8 @@ bool Language::check_words(Executor& ex) {
     const std::int32_t code = b.g[i].tenths;
     keeps_fast_feed = keeps_fast_feed || code == kDwell || code == kFastMove;
     for (const std::int32_t machine_code : kMachineCodes) {
-      if (code == machine_code && (hypothetical != 0 || thread.on))
+      if (code == machine_code && (hypothetical != 0 || thread.on ||
+                                   (code >= 530 && ex.surface.now.kind != interp::SurfaceKind::none)))
         return raise(ex, "PS0049", b.g[i].column, std::string("G") + std::to_string(code / 10));
     }
   }
@@ -267,6 +268,11 @@ bool Language::check_words(Executor& ex) {
         return ex.alarm(AlarmReason::too_many_digits, b.word[letter].column,
                         std::string(1, static_cast<char>('A' + static_cast<int>(letter))));
     }
+  }
+  for (std::size_t i = 0; i < b.g_count; ++i) {
+    const bool cycle = b.g[i].tenths == 781 || b.g[i].tenths == 1'780;
+    if (cycle) thread_words = {};
+    if (cycle && (b.words & ex.axis_letters) == 0 && !take_spindle_thread_words(ex)) return false;
   }
   if (b.marked == 0) return true;
   const std::int32_t motion = ex.motion_code == nullptr ? 0 : ex.motion_code->tenths;
@@ -301,6 +307,10 @@ bool Language::m_code(Executor& ex, const program::Code& code) {
     sent.modal = ex.modal;
     sent.code = number;
     return true;
+  }
+  if (number == 96 || number == 97) {
+    const bool on = number == 96 && ex.switches.origin != interp::ProgramOrigin::dnc;  // not in DNC (L20800)
+    return ex.allow_interruption(code, on);
   }
   // M91…M94 Pn: jump when M91I or M93I is 0 or 1 (L8665).
   if (!ex.block.has('P'))

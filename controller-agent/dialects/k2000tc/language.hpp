@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "dialects/k2000tc/curves.hpp"
+#include "dialects/k2000tc/spindle_thread_cycle.hpp"
 #include "interpreter/executor.hpp"
 #include "macro/k2000-language/expression.hpp"
 #include "program/lexer.hpp"
@@ -68,6 +69,7 @@ class Language final : public interp::OwnLanguage, public k2000::Variables {
   std::uint32_t hypothetical = 0;       ///< G07: axes that only exist in the program …
   interp::AxisVector frozen{};          ///< … and where their slides stand
   SpindleThread thread;
+  SpindleThreadWords thread_words;  ///< G78.1
   double fast_feed = -1;  ///< NF of G153; < 0: none
   /// Indices of Xp, Yp, Zp, kNoAxis where the machine has none. @return false when there are less than two.
   bool cartesian_axes(const Executor& ex, std::uint8_t (&axes)[3]) const;

@@ -9,7 +9,10 @@
 
 namespace headstock::interp::handlers {
 bool machine_move(Executor& ex);
-}
+bool cylinder(Executor& ex);
+bool enter_polar(Executor& ex, int linear, int rotary);
+bool polar_interpolation_off(Executor& ex);
+}  // namespace headstock::interp::handlers
 
 namespace headstock::dialects::k2000tc {
 namespace {
@@ -79,6 +82,38 @@ bool hypothetical_axis(Executor& ex) {
   own.hypothetical = wanted;
   ex.block.words &= ~ex.axis_letters;
   return true;
+}
+
+// G07.1 <rotary axis> r, and 0 to end it; alone in its block (L3519).
+bool cylinder(Executor& ex) {
+  Language& own = language(ex);
+  if (!stands_alone(ex, ex.axis_letters, "PS0047")) return false;
+  if (ex.modal.g[7] != 400) return own.raise(ex, "PS0048", ex.code_column, "G07.1");
+  for (std::uint32_t mask = ex.block.words & ex.axis_letters; mask != 0; mask &= mask - 1) {
+    const auto letter = static_cast<std::size_t>(std::countr_zero(mask));
+    if (!ex.axes[static_cast<std::size_t>(ex.axis_of[letter])].rotary)
+      return own.raise(ex, "PS0108", ex.block.word[letter].column, "G07.1");
+  }
+  return interp::handlers::cylinder(ex);
+}
+
+// G12.1 Pij: linear axis i, rotary axis j; once on it is ignored (L3403).
+bool polar_interpolation_on(Executor& ex) {
+  if (!stands_alone(ex, program::letters("P"), "PS0009")) return false;
+  if (ex.surface.now.kind == interp::SurfaceKind::polar) return true;
+  std::int64_t p = 0;
+  if (ex.block.has('P')) p = ex.whole('P', AlarmReason::value_range);
+  if (p < 0) return false;
+  std::uint8_t axis[2] = {};
+  const bool two = axis_digits(p, 2, axis);
+  const auto index = [&ex, two](std::uint8_t number) {
+    return two && number >= 1 && number <= ex.axes.size() ? static_cast<int>(number) - 1 : -1;
+  };
+  return interp::handlers::enter_polar(ex, index(axis[0]), index(axis[1]));
+}
+
+bool polar_interpolation_off(Executor& ex) {
+  return stands_alone(ex, 0, "PS0009") && interp::handlers::polar_interpolation_off(ex);
 }
 
 // G07.2 Pij NF NP: the spindle, as rotary axis j, follows linear axis i by lead NF; alone it ends (L4129).
@@ -234,9 +269,8 @@ void Language::set_diameter(Executor& ex, std::size_t axis, bool diameter) {
 }
 
 void Language::cancel_tool_offset(Executor& ex) {
-  for (auto& axis : ex.axes) axis.zero_tool = 0;
+  for (std::size_t i = 0; i < ex.axes.size(); ++i) interp::tool_offset::drop(ex, i);
   ex.modal.offset = 0;
-  ex.update_zeros();
 }
 
 bool Language::cartesian_axes(const Executor& ex, std::uint8_t (&axes)[3]) const {

@@ -50,6 +50,7 @@ Error Language::read(std::uint32_t number, Value& value) {
 }
 
 Error Language::write(std::uint32_t number, const Value& value) {
+  ex_.idle_jumps = 0;  // the program goes on
   if (number < k2000::kLocals) {
     locals()[number] = value;
     return Error::none;

@@ -105,7 +105,7 @@ Dialect make_lathe_200t() {
   d.m_rules = {{0, MAction::program_stop},  {1, MAction::own},          {2, MAction::end_m02},
                {3, MAction::spindle_cw},    {4, MAction::spindle_ccw},  {5, MAction::spindle_stop},
                {9, MAction::machine_after}, {96, MAction::restart},     {98, MAction::own},
-               {99, MAction::return_},      {901, MAction::unavailable}};  // M30 is an output pulse (L9581)
+               {99, MAction::return_},      {901, MAction::own}};  // M30 is an output pulse (L9581)
   d.numbers.decimal = Decimal::pocket;
   d.numbers.addresses = letters("DFHIJKLPQRSTUWXYZ");
   d.numbers.pointed = letters("DFIJKPQRUWXYZ");

@@ -119,7 +119,9 @@ bool Variables::get(std::int64_t number, double& value) const {
     return true;
   }
   if (!is_input(number)) return false;
-  value = 0;  // no machine: no input is active
+  if (!ex_.environment->has_signals()) return false;  // a port nobody connected must not be read as 0
+  if (ex_.environment->takes_time()) ex_.jumps = ex_.idle_jumps = 0;  // a loop that waits for it is not endless
+  value = ex_.environment->input(static_cast<unsigned>(number)) ? 1 : 0;
   return true;
 }
 
@@ -128,6 +130,7 @@ bool Variables::set(std::int64_t number, double value) {
   double& cell = ex_.data.common_variables[static_cast<std::uint32_t>(number)];
   const double before = cell;
   cell = value;
+  ex_.idle_jumps = 0;  // the program goes on
   if (before != value) ex_.report_change("variable/" + std::to_string(number), before, value);
   return true;
 }

@@ -65,6 +65,18 @@ std::int64_t code_at(std::string_view text, std::size_t& at) {
   return number;
 }
 
+// #1…#99 and ##…: input ports may be among them.
+bool looks_at_inputs(const Frame& frame) {
+  const char* end = frame.line.text.data() + frame.line.text.size();
+  for (const char* at = frame.rest; at + 1 < end; ++at) {
+    if (*at != '#') continue;
+    int digits = 0;
+    while (at + 1 + digits < end && is_digit(at[1 + digits])) ++digits;
+    if (digits != 3) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Language& language(Executor& ex) {
@@ -211,6 +223,10 @@ bool Language::take_m_codes(Executor& ex, std::string& text) {
 }
 
 interp::OwnLanguage::Taken Language::take_text(Executor& ex, Frame& frame) {
+  if (ex.environment->takes_time() && !ex.at_standstill && looks_at_inputs(frame)) {  // read when they are true
+    ex.hold_look_ahead();
+    return Taken::done;
+  }
   Level& here = level(ex);
   here.text.assign(frame.rest,
                    static_cast<std::size_t>(frame.line.text.data() + frame.line.text.size() - frame.rest));
@@ -279,6 +295,14 @@ bool Language::m_code(Executor& ex, const program::Code& code) {
       if (times < 0) return false;
     }
     return call_name(ex, call_name_, times, call_column_);
+  }
+  if (code.tenths == 9'010) {  // M901 clears the part count (L4689)
+    auto& cleared = ex.emit<interp::MCode>();
+    cleared.at = ex.at;
+    cleared.modal = ex.modal;
+    cleared.code = 901;
+    cleared.after_motion = cleared.clears_parts = true;
+    return true;
   }
   // M01 Lx: stays here until the input is active (L4385).
   if (!ex.block.has('L')) return ex.alarm(AlarmReason::no_data, code.column, "M01 L");

@@ -1,10 +1,12 @@
 #include "server/api/http/dispatch.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <spdlog/spdlog.h>
 
 #include "db/database.hpp"
+#include "server/api/http/csv.hpp"
 #include "db/refusal.hpp"
 
 namespace headstock::api {
@@ -77,7 +79,9 @@ awaitable<Dispatched> serve(const Router& router, const WebHost& host, const Lim
     if (known) call.who = std::move(*known);
     else call.who = co_await host.authenticate(token);
   }
-  const auto refused = admission(route, call.who, by_cookie, call.request.headers);
+  const bool named = host.machines && names_machines(route);
+  const auto refused = admission(route, call.who, by_cookie, call.request.headers,
+                                 named ? access::kAnyMachine : access::kNoMachine);
   if (!refused.empty()) throw Refused(refused);
 
   switch (route.takes) {
@@ -98,13 +102,23 @@ awaitable<Dispatched> serve(const Router& router, const WebHost& host, const Lim
   if (body.announced() && *body.announced() > body.limit && route.takes != Takes::nothing) throw Refused("too_large");
   if (route.takes == Takes::json) call.body = co_await read_json(call.request, body);
   if (route.takes == Takes::bytes) call.upload = &body;
-  out.reply = co_await route.handler(call);
+  if (named) {
+    call.machines = co_await host.machines(route, call);
+    if (call.machines.empty() && !may(call.who, route.role, access::kNoMachine)) throw Refused("forbidden");
+    for (const auto machine : call.machines)
+      if (!may(call.who, route.role, machine)) throw Refused("forbidden", "machine:" + std::to_string(machine));
+  }
+  if (route.method == Method::get && call.text("format") == "csv" && route.response != "bytes")
+    out.reply = co_await csv_reply(route, call);
+  else
+    out.reply = co_await route.handler(call);
   co_return out;
 }
 
 Reply database_reply(const db::Error& error) {
   switch (error.problem()) {
     case db::Problem::disk_full: return error_reply(Refused("disk_full"));
+    case db::Problem::lost: return error_reply(Refused("database_lost"));
     case db::Problem::locked: return error_reply(Refused("database_locked"));
     default: return error_reply(Refused("internal"));
   }

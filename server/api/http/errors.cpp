@@ -23,6 +23,8 @@ const std::vector<ErrorText> texts = {
     {"internal", 500, "Something went wrong in the server; its log has the details", "服务器内部错误，详见日志"},
     {"busy", 503, "Too many connections; try again in a moment", "连接数过多，请稍后再试"},
     {"database_locked", 503, "The database is busy; try again in a moment", "数据库繁忙，请稍后再试"},
+    {"database_lost", 503, "The connection to the database is lost; try again in a moment", "与数据库的连接已断开，请稍后再试"},
+    {"too_many_rows", 413, "Too many rows; choose a shorter time", "数据行过多，请缩短时间范围"},
     {"disk_full", 507, "The server's disk is full; nothing was stored", "服务器磁盘已满；未保存任何内容"},
 };
 

@@ -89,9 +89,28 @@ Router::Match Router::match(Method method, std::string_view path) const {
   return match;
 }
 
-std::string admission(const Route& route, const Principal& who, bool by_cookie, const Headers& headers) {
+bool may(const Principal& who, const Need& need, std::int64_t machine) {
+  if (need.role == Role::none) return true;
+  if (!who.rights) return who.role >= need.role;
+  if (need.action) return who.rights->may(*need.action, machine);
+  return role_from(access::to_string(who.rights->role_on(machine))) >= need.role;
+}
+
+bool names_machines(const Route& route) {
+  if (route.method == Method::get) return false;
+  for (const std::string_view prefix : {"/machines/{id}", "/ports/{id}", "/transfers/{id}", "/distributions"})
+    if (route.pattern.starts_with(prefix)) return true;
+  return route.pattern == "/programs/{id}/revisions/{n}/check" || route.pattern == "/alarm-events/{id}/acknowledge";
+}
+
+std::string admission(const Route& route, const Principal& who, bool by_cookie, const Headers& headers,
+                      std::int64_t machine) {
   if (route.role != Role::none && who.role == Role::none) return "unauthenticated";
-  if (who.role < route.role) return "forbidden";
+  const bool own_session = route.pattern.starts_with("/session");
+  if (route.role != Role::none && who.must_change_password && !own_session) return "must_change_password";
+  const bool ends_it = route.pattern == "/session" && route.method == Method::del;
+  if (route.role != Role::none && who.look_only && route.method != Method::get && !ends_it) return "look_only";
+  if (!may(who, route.role, machine)) return "forbidden";
   if (route.role != Role::none && by_cookie && route.method != Method::get && headers.x_headstock != "1")
     return "cross_site";
   return "";

@@ -20,6 +20,7 @@ struct Call {
   Principal who;                 ///< role `none` on routes that need no sign-in and have none
   nlohmann::json body;           ///< of routes whose body is JSON; null otherwise
   Body* upload = nullptr;        ///< of routes whose body is bytes
+  std::vector<std::int64_t> machines{};   ///< which it is about, where rights depend on them
 
   /// The number in `{name}` of the path. Throws Refused("not_found") when it is none.
   std::int64_t id(const std::string& name) const;
@@ -46,7 +47,7 @@ struct Query { std::string name, type, about; };
 struct Route {
   Method method = Method::get;
   std::string pattern{};           ///< "/machines/{id}", below /api/v1
-  Role role = Role::viewer;      ///< least role; `none`: no sign-in needed
+  Need role = Role::viewer;      ///< `none`: no sign-in needed
   std::string summary{};
   Takes takes = Takes::nothing;
   std::string request{};           ///< name of a schema in schemas.cpp; empty: no JSON body
@@ -83,6 +84,11 @@ class Router {
 
 /// @return the code of the refusal, empty when `who` may call `route`.
 /// @param by_cookie the session came by cookie, so that a changing request needs `X-Headstock: 1`.
-std::string admission(const Route& route, const Principal& who, bool by_cookie, const Headers& headers);
+/// @param machine kAnyMachine while it is not known yet which one is meant.
+std::string admission(const Route& route, const Principal& who, bool by_cookie, const Headers& headers,
+                      std::int64_t machine = access::kNoMachine);
+
+/// Does the path or the body of this route name machines on which the rights depend? What it names: WebHost::machines.
+bool names_machines(const Route& route);
 
 }  // namespace headstock::api

@@ -270,7 +270,7 @@ std::vector<Route> entries(Services& s) {
 }
 
 std::vector<Route> settings(Services& s) {
-  const Role role = needs(Action::edit_calendar);
+  const Need role = needs(Action::edit_calendar);
   const auto reason_of = [](const Call& call) {
     fleet::DowntimeReason reason;
     reason.name_en = call.body_text("name_en");

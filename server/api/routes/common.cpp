@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 
@@ -18,7 +19,7 @@ std::vector<Query> with(std::vector<Query> first, const std::vector<Query>& more
   return first;
 }
 
-Role needs(access::Action action) { return role_from(access::to_string(access::required(action))); }
+Need needs(access::Action action) { return {role_from(access::to_string(access::required(action))), action}; }
 
 access::Actor actor_of(const Call& call) {
   access::Actor actor;
@@ -27,6 +28,12 @@ access::Actor actor_of(const Call& call) {
   // A route without sign-in must not act as the server itself.
   actor.role = access::role_from(to_string(call.who.role)).value_or(access::Role::viewer);
   actor.address = call.request.peer;
+  actor.rights = call.who.rights;
+  actor.machines = call.machines;
+  if (actor.rights && !actor.machines.empty()) {
+    actor.role = access::Role::administrator;
+    for (const auto machine : actor.machines) actor.role = std::min(actor.role, actor.rights->role_on(machine));
+  }
   return actor;
 }
 

@@ -2,10 +2,12 @@
 #include <array>
 
 #include "db/machine_store.hpp"
+#include "db/refusal.hpp"
 #include "db/store.hpp"
 #include "db/time.hpp"
 #include "server/access/audit.hpp"
 #include "server/api/routes/routes.hpp"
+#include "server/api/routes/value_shapes.hpp"
 #include "server/api/shapes.hpp"
 #include "server/fleet/fleet.hpp"
 #include "server/fleet/machines.hpp"
@@ -56,6 +58,28 @@ awaitable<std::string> new_token(Services& s, access::Actor actor, std::int64_t 
 Reply answered(const server::MachineAnswer& answer) {
   if (!answer.accepted) return machine_refusal(answer.reason);
   return json_reply({{"accepted", true}, {"reason", nullptr}});
+}
+
+/// Refuses what the tools left do not last for, or tells it, as the shop has chosen.
+/// @param name the program; empty: the one selected now @return the groups that are short, when only told
+awaitable<json> demand_tool_life(Services& s, std::int64_t machine, std::string name) {
+  if (name.empty()) {
+    const json live = s.fleet.live_of(machine);
+    if (live.is_object() && live.contains("program") && live["program"].is_object()) name = live["program"].value("name", "");
+    // A run that is held or stopped goes on; it is not begun again.
+    if (!live.is_object() || live.value("state", "") != "idle") co_return json::array();
+  }
+  auto policy = fleet::ShortLife::off;
+  const auto in_store = [&](db::Database& db) {
+    policy = fleet::short_life_policy(db);
+    return policy == fleet::ShortLife::off ? std::vector<fleet::LifeNeed>() : fleet::short_lives(db, machine, name);
+  };
+  const auto lacking = co_await s.store.run(in_store);
+  json warnings = json::array();
+  for (const auto& one : lacking) warnings.push_back(to_json(one));
+  if (!lacking.empty() && policy == fleet::ShortLife::refuse)
+    throw db::Refusal("tool_life_short", "group " + std::to_string(lacking.front().group));
+  co_return warnings;
 }
 
 void announce(Services& s, const char* what, std::int64_t machine) {
@@ -142,7 +166,7 @@ std::vector<Route> operating(Services& s) {
   routes.push_back(
       {.method = Method::post, .pattern = "/machines/{id}/commands", .role = needs(Action::command_machine),
        .summary = "Ask the machine for something; 409 with its reason when it refuses", .takes = Takes::json,
-       .request = "Command", .response = "MachineAnswer", .errors = {"machine_refused", "bad_request"},
+       .request = "Command", .response = "MachineAnswer", .errors = {"machine_refused", "bad_request", "tool_life_short"},
        .handler = [&s](Call& call) -> awaitable<Reply> {
          const auto action = call.body_text("action");
          if (std::ranges::find(remote_actions, action) == remote_actions.end()) throw Refused("bad_request", "action");
@@ -156,6 +180,7 @@ std::vector<Route> operating(Services& s) {
              throw Refused("bad_request", "value");
          }
          const auto row = co_await require(s, call.id("id"));
+         if (action == "cycle_start") co_await demand_tool_life(s, row.id, "");
          const auto answer = co_await s.gateway.command(row.id, action, value, call.who.user);
          audit(s, actor_of(call), "machine.command", row.id, action + " " + json(value).dump(), answer);
          co_return answered(answer);
@@ -163,12 +188,14 @@ std::vector<Route> operating(Services& s) {
   routes.push_back(
       {.method = Method::post, .pattern = "/machines/{id}/select", .role = needs(Action::select_program),
        .summary = "Choose a resident program", .takes = Takes::json, .request = "Select", .response = "MachineAnswer",
-       .errors = {"machine_refused"}, .handler = [&s](Call& call) -> awaitable<Reply> {
+       .errors = {"machine_refused", "tool_life_short"}, .handler = [&s](Call& call) -> awaitable<Reply> {
          const auto name = call.body_text("name");
          const auto row = co_await require(s, call.id("id"));
+         const auto warning = co_await demand_tool_life(s, row.id, name);
          const auto answer = co_await s.gateway.select(row.id, name, call.who.user);
          audit(s, actor_of(call), "machine.select", row.id, name, answer);
-         co_return answered(answer);
+         if (!answer.accepted) co_return machine_refusal(answer.reason);
+         co_return json_reply({{"accepted", true}, {"reason", nullptr}, {"warnings", warning}});
        }});
   routes.push_back(
       {.method = Method::post, .pattern = "/machines/{id}/drip", .role = needs(Action::open_drip),

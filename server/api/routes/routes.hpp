@@ -15,6 +15,11 @@ namespace headstock::api {
 
 std::vector<Route> session_routes(Services& services);
 std::vector<Route> user_routes(Services& services);
+std::vector<Route> people_routes(Services& services);
+std::vector<Route> audit_routes(Services& services);
+std::vector<Route> alarm_rule_routes(Services& services);
+std::vector<Route> backup_routes(Services& services);
+std::vector<Route> provider_routes(Services& services);
 std::vector<Route> machine_routes(Services& services);
 std::vector<Route> program_routes(Services& services);
 std::vector<Route> revision_routes(Services& services);
@@ -23,6 +28,8 @@ std::vector<Route> history_routes(Services& services);
 std::vector<Route> port_routes(Services& services);
 std::vector<Route> port_record_routes(Services& services);
 std::vector<Route> accounting_routes(Services& services);
+std::vector<Route> value_routes(Services& services);
+std::vector<Route> count_routes(Services& services);
 /// Needs the router for the description it serves.
 std::vector<Route> system_routes(Services& services, const Router& router);
 
@@ -30,8 +37,10 @@ std::vector<Route> system_routes(Services& services, const Router& router);
 void add_all_routes(Router& router, Services& services);
 
 /// The least role of an action: the table of server/access is the only one.
-Role needs(access::Action action);
+Need needs(access::Action action);
 access::Actor actor_of(const Call& call);
+/// The machines that a call is about, for its rights: of the path, the body, the port or the transfer it names.
+boost::asio::awaitable<std::vector<std::int64_t>> machines_of(Services& services, const Route& route, const Call& call);
 /// `?before=` / `?cursor=` and `?limit=`.
 db::Page page_of(const Call& call);
 /// A time of the query: ISO 8601 in UTC, a date, or Unix milliseconds. Throws Refused("bad_request").

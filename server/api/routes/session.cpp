@@ -12,11 +12,16 @@ namespace {
 using boost::asio::awaitable;
 
 json session_json(const Principal& who) {
-  return {{"user", who.user},
+  json raised = json::object();
+  if (who.rights)
+    for (const auto& [machine, role] : who.rights->raised()) raised[std::to_string(machine)] = access::to_string(role);
+  return {{"look_only", who.look_only},
+          {"machine_roles", std::move(raised)},
+          {"user", who.user},
           {"name", who.name},
           {"role", to_string(who.role)},
           {"language", who.language},
-          {"expires", time_json(who.expires_ms)},
+          {"expires", who.expires_ms > 0 ? time_json(who.expires_ms) : json(nullptr)},
           {"must_change_password", who.must_change_password}};
 }
 
@@ -43,6 +48,7 @@ std::vector<Route> session_routes(Services& s) {
          who.role = role_from(access::to_string(session.user.role));
          who.expires_ms = session.expires_ms;
          who.must_change_password = session.user.must_change_password;
+         who.rights = session.rights;
          json answer = session_json(who);
          answer["token"] = session.token;
          Reply reply = json_reply(answer);
@@ -90,7 +96,7 @@ std::vector<Route> session_routes(Services& s) {
 }
 
 std::vector<Route> user_routes(Services& s) {
-  const Role role = needs(access::Action::manage_users);
+  const Need role = needs(access::Action::manage_users);
   const auto wanted_role = [](const Call& call) {
     const auto wanted = access::role_from(call.body_text("role"));
     if (!wanted) throw Refused("bad_role", call.body_text("role"));

@@ -113,9 +113,9 @@ TEST(Users, MayChangeTheirOwnNameOnly) {
 
 struct AccountsTest : testing::Test {
   test::TemporaryFolder folder;
-  db::Store store{folder.path()};
+  db::Store store{folder.path(), test::test_database()};
   db::Pool workers{1};
-  Accounts accounts{store, workers, {3, 60'000, 1'000'000}};
+  Accounts accounts{store, workers};
   User user;
 
   AccountsTest() {
@@ -144,7 +144,7 @@ TEST_F(AccountsTest, SignInGivesATokenThatExpires) {
 }
 
 TEST_F(AccountsTest, GuessingIsLockedOut) {
-  for (int i = 0; i < 3; ++i)
+  for (int i = 0; i < SignInPolicy{}.failures_before_lock; ++i)
     EXPECT_EQ(refusal_of([&] { wait_for(accounts.sign_in("op", "wrong", "")); }), "wrong_sign_in");
   EXPECT_EQ(refusal_of([&] { wait_for(accounts.sign_in("op", "correct horse", "")); }), "locked_out");
   EXPECT_EQ(refusal_of([&] { wait_for(accounts.sign_in("nobody", "correct horse", "")); }), "wrong_sign_in");

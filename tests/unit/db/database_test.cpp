@@ -46,6 +46,16 @@ TEST(Migrations, AreInOrderOfTheirNumbers) {
   }
 }
 
+TEST(Migrations, OneWithALowerNumberMayComeLater) {
+  TemporaryFolder folder;
+  auto db = open_sqlite(folder / "s.db");
+  const Migration gap[] = {kTwo[0], {3, "0003_c.sql", "CREATE TABLE c (x INTEGER)"}};
+  EXPECT_EQ(migrate(*db, gap), 2);
+  const Migration filled[] = {kTwo[0], kTwo[1], gap[1]};
+  EXPECT_EQ(migrate(*db, filled), 1);
+  EXPECT_TRUE(db->has_table("b"));
+}
+
 TEST(Migrations, AppliesOnlyWhatIsNew) {
   TemporaryFolder folder;
   auto db = open_sqlite(folder / "s.db");

@@ -1,39 +1,39 @@
-// A folder that vanishes with the test, and a database in it.
+// A database in a folder that vanishes with the test.
 #pragma once
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include "db/database.hpp"
 #include "db/hash.hpp"
 #include "db/migrations.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace headstock::test {
 
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_(std::filesystem::temp_directory_path() / ("headstock-" + db::random_hex(8))) {
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const char* name) const { return path_ / name; }
+using testing_support::TemporaryFolder;
 
- private:
-  std::filesystem::path path_;
-};
+/// Empty: SQLite. Otherwise (tests/with-postgresql sets HEADSTOCK_TEST_DATABASE) a new empty PostgreSQL database, so
+/// that the same tests run on both.
+inline std::string test_database() {
+  const char* const server = std::getenv("HEADSTOCK_TEST_DATABASE");
+  if (!server) return {};
+  const std::string name = "shop_" + db::random_hex(6);
+  // Not open_postgres: that would hold the database which the others are made from.
+  const std::string command = std::string("createdb --maintenance-db='") + server + "' " + name;
+  if (std::system(command.c_str()) != 0) throw std::runtime_error("cannot make a test database: " + command);
+  return std::string(server) + "&dbname=" + name;
+}
 
 inline std::unique_ptr<db::Database> open_shop(const std::filesystem::path& file) {
-  auto database = db::open_sqlite(file);
+  const std::string connection = test_database();
+  auto database = connection.empty() ? db::open_sqlite(file) : db::open_postgres(connection);
   db::migrate(*database);
   return database;
 }

@@ -59,7 +59,7 @@ TEST(Shifts, OnlyOnTheirDays) {
 
 struct Accounting : testing::Test {
   test::TemporaryFolder folder;
-  db::Store store{folder.path()};
+  db::Store store{folder.path(), test::test_database()};
   std::int64_t machine = 0;
   access::Actor operator_{7, "li", access::Role::operator_, ""}, setter{8, "wang", access::Role::setter, ""};
   // A Monday, 06:00 UTC.

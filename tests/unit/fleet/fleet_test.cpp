@@ -23,7 +23,7 @@ struct FleetTest : testing::Test {
   test::TemporaryFolder folder;
   boost::asio::io_context io;
   Changes changes;
-  db::Store store{folder.path()};
+  db::Store store{folder.path(), test::test_database()};
   std::int64_t machine = 0;
   std::unique_ptr<Fleet> fleet;
 

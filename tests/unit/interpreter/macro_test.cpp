@@ -185,6 +185,170 @@ TEST(Macro, AnInterruptionRunsAndBringsTheModalStateBack) {
   EXPECT_FALSE(bench.interpreter.interrupt(here));  // after M97
 }
 
+// Type I without an NC statement: the block that was broken into goes on where it was (0i-D 14.9.3).
+TEST(Macro, AnInterruptionThatOnlyCalculatesLeavesTheBlockAsItWas) {
+  Bench bench;
+  bench.programs.add_text("O13\n#500=#500+1\nM99\n");
+  bench.start("G90 G0\nM96 P13\nX10.\nG91 X1.\nM30\n");
+  ASSERT_EQ(bench.next(), Pull::operation);
+  EXPECT_EQ(motion(bench.operation)->end_work[0], 10.0);
+  AxisVector here{};
+  here[0] = 4;
+  ASSERT_TRUE(bench.interpreter.interrupt(here, true));
+  EXPECT_TRUE(bench.interpreter.interruption_only_looks());
+  EXPECT_FALSE(bench.interpreter.interruption_enabled());  // not inside its own program
+  ASSERT_EQ(bench.next(), Pull::operation);                // of the main program: the move to 10 is still due
+  EXPECT_FALSE(bench.interpreter.interruption_only_looks());
+  EXPECT_EQ(motion(bench.operation)->at.program, 0u);
+  EXPECT_EQ(motion(bench.operation)->end_work[0], 11.0);
+  EXPECT_EQ(bench.data.common_variables.at(500), 1.0);
+}
+
+// K2000TC: the power-on codes inside, and the block that was broken into is carried out again (L20720, L20751).
+TEST(Macro, TheK2000RepeatsTheBlockThatWasBrokenInto) {
+  Bench bench("k2000tc");
+  bench.data.parameters["P4100.3"] = 1;
+  bench.programs.add_text("O13\nG00 Z5.\nM99\n");
+  bench.start("O1\nG98 G01 F100\nM96 P13\nX10.\nX20.\nM97\nX30.\nM30\n");
+  for (;;) {
+    ASSERT_EQ(bench.next(), Pull::operation);
+    if (motion(bench.operation) != nullptr) break;
+  }
+  const double first = motion(bench.operation)->end_machine[0];
+  ASSERT_TRUE(bench.interpreter.interruption_signal().inside_blocks);
+  AxisVector here{};
+  here[0] = first / 2;
+  ASSERT_TRUE(bench.interpreter.interrupt(here, true));
+  ASSERT_EQ(bench.next(), Pull::operation);
+  EXPECT_EQ(motion(bench.operation)->at.program, 13u);
+  ASSERT_EQ(bench.next(), Pull::operation);
+  EXPECT_TRUE(std::holds_alternative<Feed>(bench.operation));  // G01 again
+  EXPECT_EQ(motion(bench.operation)->end_machine[0], first);
+  ASSERT_EQ(bench.next(), Pull::operation);
+  EXPECT_EQ(motion(bench.operation)->end_machine[0], 2 * first);
+}
+
+TEST(Macro, TheK2000TakesNoInterruptionFromALine) {
+  Bench bench("k2000tc");
+  Switches switches;
+  switches.origin = ProgramOrigin::dnc;
+  bench.interpreter.set_switches(switches);
+  bench.programs.add_text("O13\nM99\n");
+  bench.start("O1\nM96 P13\nG00 X10.\nM30\n");
+  ASSERT_EQ(bench.next(), Pull::operation);
+  EXPECT_FALSE(bench.interpreter.interruption_enabled());
+}
+
+TEST(Macro, AnInterruptionInsideACycleIsAnAlarm) {
+  Bench bench("fanuc-0i-t");
+  bench.programs.add_text("O13\nM99\n");
+  bench.start("G0 X60. Z2.\nM96 P13\nG71 U2. R1.\nG71 P1 Q2 U0.5 W0.1 F0.2\nN1 G0 X20.\nG1 Z-10. F0.1\nN2 X60.\nM30\n");
+  for (;;) {
+    ASSERT_EQ(bench.next(), Pull::operation);
+    const Motion* move = motion(bench.operation);
+    if (move != nullptr && move->cycle != nullptr) break;
+  }
+  ASSERT_TRUE(bench.interpreter.interrupt({}));
+  EXPECT_EQ(bench.alarm_of_run(), "PS0324");
+}
+
+TEST(Macro, AGroupThatBroughtItsModeMayNotBeginAnother) {
+  Bench bench;
+  bench.programs.add_text("O13\nG68 X0 Y0 R30.\nM99\n");
+  bench.start("G51 X0 Y0 P2000000\nM96 P13\nG0 X1.\nX2.\nM30\n");
+  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_TRUE(bench.interpreter.interrupt({}));
+  EXPECT_EQ(bench.alarm_of_run(), "PS1101");
+}
+
+// What stands behind M00, an M code of No.3411…3432 or G53 is read when the machine has come so far.
+TEST(Macro, NothingIsReadAheadOfCodesThatStopTheLookAhead) {
+  for (const char* held : {"M00", "M61", "M85", "G53 X0"}) {
+    Bench bench;
+    Running environment;
+    bench.data.parameters["3411"] = 61;
+    bench.data.parameters["3421"] = 80;
+    bench.data.parameters["3422"] = 90;
+    bench.interpreter.set_environment(&environment);
+    bench.start(std::string("G0 X1.\n") + held + "\n#500=1\nG0 X2.\nM30\n");
+    ASSERT_EQ(bench.next(), Pull::operation);
+    ASSERT_EQ(bench.next(), Pull::operation) << held;
+    EXPECT_EQ(bench.next(), Pull::standstill) << held;
+    EXPECT_FALSE(bench.data.common_variables.contains(500)) << held;
+    EXPECT_EQ(bench.next(), Pull::operation) << held;
+    EXPECT_TRUE(bench.data.common_variables.contains(500)) << held;
+  }
+  Bench bench;
+  Running environment;
+  bench.interpreter.set_environment(&environment);
+  bench.start("G0 X1.\nM61\n#500=1\nG0 X2.\nM30\n");
+  ASSERT_EQ(bench.next(), Pull::operation);
+  ASSERT_EQ(bench.next(), Pull::operation);
+  EXPECT_EQ(bench.next(), Pull::operation);  // not one of them: read on
+}
+
+TEST(Macro, NamesOutliveTheController) {
+  Bench bench;
+  bench.start("SETVN 510[DEPTH]\nM30\n");
+  while (bench.next() == Pull::operation) {
+  }
+  ASSERT_EQ(bench.data.variable_names.at(510), "DEPTH");
+  Bench later;
+  later.data.variable_names = bench.data.variable_names;
+  later.interpreter.reset({});
+  later.start("[#DEPTH]=3\nG0 X#510\nM30\n");
+  ASSERT_EQ(later.next(), Pull::operation);
+  EXPECT_EQ(motion(later.operation)->end_work[0], 3.0);
+}
+
+// 2000TC CLV: 0 leaves the main program's locals as they are at RESET, 1 clears them; 0i-D always clears.
+TEST(Macro, LocalsOutliveResetWhereTheParameterSaysSo) {
+  const auto second_run = [](std::string_view profile, double clear) {
+    Bench bench(profile);
+    bench.data.parameters["S173.1"] = clear;
+    bench.start("O1\n#1=5\nM30\n");
+    while (bench.next() == Pull::operation) {
+    }
+    bench.interpreter.reset({});
+    bench.start("O1\nG00 X1. Z#1\nM30\n");
+    EXPECT_EQ(bench.next(), Pull::operation);
+    return motion(bench.operation)->axes;
+  };
+  EXPECT_NE(second_run("gsk-2000tc", 0), second_run("gsk-2000tc", 1));
+  EXPECT_EQ(second_run("fanuc-0i-t", 0), second_run("fanuc-0i-t", 1));
+}
+
+// Ports of 200T and K2000TC: read when they are true, unknown where nothing is connected.
+struct Unconnected final : macro::Environment {
+  bool takes_time() const override { return true; }
+  bool has_signals() const override { return false; }
+};
+
+TEST(Macro, PortsAreReadAtAStandstillOrNotAtAll) {
+  struct Control {
+    const char *profile, *program;
+    unsigned port;
+  };
+  for (const Control& control : {Control{"k2000tc", "O1\nG00 X1.\n#1=#1003\nG00 X[#1+5]\nM30\n", 3},
+                                 Control{"lathe-200t", "G00 X1\nG65 H01 P#200 Q#3\nG00 X#200\nM02\n", 3}}) {
+    Bench bench(control.profile);
+    Running environment;
+    bench.interpreter.set_environment(&environment);
+    bench.start(control.program);
+    ASSERT_EQ(bench.next(), Pull::operation) << control.profile;
+    ASSERT_EQ(bench.next(), Pull::standstill) << control.profile;
+    environment.set_input(control.port, true);
+    ASSERT_EQ(bench.next(), Pull::operation) << control.profile;
+    EXPECT_EQ(motion(bench.operation)->end_work[0], control.port == 3 && control.profile[0] == 'k' ? 6.0 : 1.0);
+
+    Bench loose(control.profile);
+    Unconnected nothing;
+    loose.interpreter.set_environment(&nothing);
+    loose.start(control.program);
+    EXPECT_NE(loose.alarm_of_run(100), "none") << control.profile;
+  }
+}
+
 constexpr const char* kRestarted =
     "O1\nG90 G54 G0 X1. M3 S500\nT2\n#500=#500+1\n#1=0\nWHILE[#1 LT 5]DO1\n#1=#1+1\nN10 G1 X#1 F100.\nY#1\nEND1\n"
     "N20 G91 Z-1.\nM30\n";

@@ -206,7 +206,7 @@ struct FakeCarrier {
 
 struct DistributionTest : testing::Test {
   test::TemporaryFolder folder;
-  db::Store store{folder.path()};
+  db::Store store{folder.path(), test::test_database()};
   db::Pool workers{1};
   Library library{folder.path()};
   Checks checks{store, workers, library.blobs};

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "protocol/wire/digest.hpp"
-#include "tests/unit/link/temporary_folder.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace headstock::link {
 namespace {

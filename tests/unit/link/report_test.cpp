@@ -33,6 +33,31 @@ TEST_F(Connected, LiveArrivesWithItsTrail) {
   EXPECT_TRUE(live["drip"].is_null());
 }
 
+TEST_F(Connected, AnAgentThatIsSwitchedOffSaysSo) {
+  ASSERT_TRUE(shop.until([&] { return agent.link->status().connected; }));
+  EXPECT_TRUE(agent.link->say_good_bye());
+  ASSERT_TRUE(shop.until([&] { return !agent.link->connection_open(); }));
+  ASSERT_TRUE(shop.until([&] { return !shop.fleet.disconnects.empty(); }));
+  EXPECT_EQ(shop.fleet.disconnects.back(), "shutdown") << "not a lost link: the machine is off";
+  const int connects = shop.fleet.connects[3];
+  shop.run_for(200ms);
+  EXPECT_EQ(shop.fleet.connects[3], connects) << "it does not come back by itself";
+}
+
+TEST_F(Connected, AServerThatIsSwitchedOffSaysSo) {
+  ASSERT_TRUE(shop.until([&] { return agent.machine.ups == 1; }));
+  bool over = false;
+  asio::co_spawn(
+      shop.io,
+      [&]() -> asio::awaitable<void> {
+        co_await shop.gateway->shut_down(5s);
+        over = true;
+      },
+      asio::detached);
+  ASSERT_TRUE(shop.until([&] { return over && agent.machine.losts == 1; }));
+  EXPECT_EQ(agent.machine.lost_reason, "closed by the server: shutdown");
+}
+
 TEST_F(Connected, CensusFollowsTheMemory) {
   ASSERT_TRUE(shop.until([&] { return shop.fleet.census_of.contains(3); }));
   agent.memory.put("O1", "G0\n");

@@ -13,6 +13,15 @@ constexpr auto kAsTuple = asio::as_tuple(asio::use_awaitable);
 
 }  // namespace
 
+asio::awaitable<server::MachineAnswer> FakeFleet::program_requested(std::int64_t machine, std::string name) {
+  asked.push_back(name);
+  const auto found = library.find(name);
+  if (found == library.end()) co_return server::MachineAnswer{false, "not_found"};
+  const auto text = std::make_shared<const std::string>(found->second);
+  const std::uint64_t transfer = 1'000 + asked.size();
+  co_return co_await gateway->drip(transfer, machine, name, wire::sha256_hex(*text), std::make_shared<TextBlob>(text));
+}
+
 struct CuttingProxy::Pair {
   explicit Pair(asio::io_context& io) : near(io), far(io) {}
   tcp::socket near, far;
@@ -123,6 +132,7 @@ server::GatewayOptions Shop::gateway_options() const {
 void Shop::start_gateway() {
   gateway = std::make_unique<server::Gateway>(io, gateway_options(), fleet);
   gateway->start();
+  fleet.gateway = gateway.get();
 }
 
 void Shop::stop_gateway() {

@@ -26,7 +26,7 @@
 #include "protocol/wire/certificates.hpp"
 #include "protocol/wire/digest.hpp"
 #include "server/gateway/gateway.hpp"
-#include "tests/unit/link/temporary_folder.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace headstock::testing_support {
 
@@ -93,6 +93,11 @@ class FakeFleet final : public server::GatewayHost {
     census_of[machine] = std::move(programs);
     co_return;
   }
+  /// What machines may ask for, and what they asked.
+  std::map<std::string, std::string> library;
+  std::vector<std::string> asked;
+  server::Gateway* gateway = nullptr;
+  asio::awaitable<server::MachineAnswer> program_requested(std::int64_t machine, std::string name) override;
   void transfer_changed(const server::TransferState& state) override {
     transfers[state.id] = state;
     ++transfer_reports;
@@ -136,8 +141,16 @@ class FakeMachine final : public link::LinkHost {
     }
     return answer;
   }
+  std::vector<std::string> answers;  ///< to requests at the panel
+  void request_answered(const std::string& name, const operation::CommandResult& said) override {
+    answers.push_back(name + ' ' + (said.accepted ? "accepted" : said.reason));
+  }
   void link_up(const link::ServerSettings&) override { ++ups; }
-  void link_lost(const std::string&) override { ++losts; }
+  void link_lost(const std::string& reason) override {
+    ++losts;
+    lost_reason = reason;
+  }
+  std::string lost_reason;
 };
 
 /// A stored revision in memory; counts what is read at once.

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <random>
 
-#include "tests/unit/link/temporary_folder.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace headstock::link {
 namespace {

@@ -1,6 +1,8 @@
 // What goes down: programs into the memory, and drip-feeds over a line that is cut.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "tests/unit/link/shop.hpp"
 
 namespace headstock {
@@ -116,6 +118,59 @@ TEST_F(Transfers, DripFeedIsByteIdenticalThroughManyCuts) {
   proxy->cut_all();
   ASSERT_TRUE(shop.until([&] { return shop.fleet.transfers[5].state == "done"; }))
       << shop.fleet.transfers[5].state;
+}
+
+/// How many times the line is cut at a random byte: a few dozen on every commit,
+/// `HEADSTOCK_LINK_CUTS=1000 link_test --gtest_filter=*CutAtRandomBytes` for the whole proof.
+int cuts_wanted() {
+  const char* text = std::getenv("HEADSTOCK_LINK_CUTS");
+  return text ? std::max(1, std::atoi(text)) : 40;
+}
+
+TEST_F(Transfers, LinkCutAtRandomBytesAndTheExecutedProgramIsTheStoredOne) {
+  const int wanted = cuts_wanted();
+  const std::string text = program_text(static_cast<std::size_t>(wanted) * 40'000 + 300'000);
+  ASSERT_TRUE(shop.wait_for(shop.gateway->drip(5, 3, "big.nc", wire::sha256_hex(text), blob(text))).accepted);
+  // From the first byte of the handshake on: many connections never come to their hello.
+  proxy->allowance = [&]() -> std::optional<std::size_t> { return 1 + random() % 120'000; };
+  proxy->cut_all();
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(30 + wanted / 2);
+  std::string received;
+  auto status = program::ReadStatus::wait;
+  while (status != program::ReadStatus::end && status != program::ReadStatus::failed) {
+    ASSERT_LT(std::chrono::steady_clock::now(), limit) << proxy->cuts << " cuts, " << received.size() << " bytes";
+    shop.io.restart();
+    shop.io.run_one_for(2ms);
+    if (proxy->cuts >= wanted) proxy->allowance = nullptr;
+    // The machine takes what comes no faster than the cuts do: the last one is near the end of the program.
+    const std::size_t due = proxy->cuts >= wanted
+                                ? text.size()
+                                : text.size() / static_cast<std::size_t>(wanted) * static_cast<std::size_t>(proxy->cuts + 1);
+    if (received.size() < due || due == text.size()) status = read_some(received, 20'000);
+  }
+  EXPECT_EQ(status, program::ReadStatus::end);
+  EXPECT_GE(proxy->cuts, wanted);
+  EXPECT_EQ(wire::sha256_hex(received), wire::sha256_hex(text));
+  ASSERT_TRUE(shop.until([&] { return shop.fleet.transfers[5].state == "done"; })) << shop.fleet.transfers[5].state;
+  EXPECT_EQ(shop.fleet.transfers[5].bytes, text.size());
+}
+
+TEST_F(Transfers, PermissionEndsWithEveryDisconnectAndOnlyReceivingGoesOn) {
+  const std::string text = program_text(2'000'000);
+  ASSERT_TRUE(shop.wait_for(shop.gateway->drip(5, 3, "big.nc", wire::sha256_hex(text), blob(text))).accepted);
+  const int lost = agent.machine.losts, ups = agent.machine.ups;
+  agent.machine.commands.clear();
+  for (int cut = 1; cut <= 3; ++cut) {
+    proxy->cut_all();
+    ASSERT_TRUE(shop.until([&] { return agent.machine.losts == lost + cut; }))
+        << "the controller is told, and remote operation is no longer armed";
+    ASSERT_TRUE(shop.until([&] { return agent.machine.ups == ups + cut && shop.gateway->is_connected(3); }));
+  }
+  shop.run_for(200ms);
+  EXPECT_TRUE(agent.machine.commands.empty()) << "no command comes of a reconnect";
+  std::string received;
+  EXPECT_EQ(read_to_end(received), program::ReadStatus::end);
+  EXPECT_TRUE(received == text);
 }
 
 TEST_F(Transfers, DripFeedWaitsForTheMachineAndIsDoneOnlyWhenItHasRun) {

@@ -198,6 +198,47 @@ TEST(MachineFile, WrittenAndReadAgainIsTheSame) {
   EXPECT_EQ(again.axes[0].pitch_error[1].error_um, 7);
 }
 
+TEST(MachineFile, WhatAxesAndSpindleAreBuiltLikeIsReadAndWritten) {
+  const Machine machine = parsed(
+      "[machine]\nprofile = \"fanuc-0i-m\"\nskip_input = true\nsecond_auxiliary = true\npolygon_axis = "
+      "\"A\"\n"
+      "[axis.X]\nhoming = \"dog\"\ndog_mm = 80\ndog_width_mm = 12\ngrid_mm = 6\nhome_negative = true\n"
+      "creep_mm_min = 200\nemergency_deceleration_mm_s2 = 5000\npitch_error_negative = [[0, 1], [10, 2]]\n"
+      "[axis.Y]\nfollowing_error_mm = 3\nfollowing_error_stopped_mm = 0.2\nin_position_um = 5\n"
+      "inclined_deg = 30\ninclined_to = \"Z\"\ngear_numerator = 3\ngear_denominator = 7\n"
+      "[axis.V]\nfollows = \"X\"\nsynchronous_error_mm = 0.05\n"
+      "[axis.A]\nplc = true\n[axis.C]\nencoder_um = 1\nfriction_mm_s2 = 40\ninertia_ratio = 2\n"
+      "[spindle]\ntap_rpm = 2000\norient_m = 18\norient_deg = 45\ncontour_axis = \"C\"\ncontour_on_m = 81\n"
+      "contour_off_m = 82\n[drive]\ntype = \"ideal\"\n");
+  EXPECT_TRUE(machine.skip_input);
+  EXPECT_TRUE(machine.second_auxiliary);
+  EXPECT_EQ(machine.polygon_axis, 'A');
+  EXPECT_EQ(machine.drive, "ideal");
+  const Axis& x = machine.axes[*machine.axis_index('X')];
+  EXPECT_EQ(x.homing, Homing::dog);
+  EXPECT_TRUE(x.home_negative);
+  EXPECT_EQ(x.pitch_error_negative.size(), 2u);
+  EXPECT_EQ(machine.axes[*machine.axis_index('Y')].inclined_to, 'Z');
+  EXPECT_EQ(machine.axes[*machine.axis_index('V')].follows, 'X');
+  EXPECT_TRUE(machine.axes[*machine.axis_index('A')].plc);
+  EXPECT_EQ(machine.spindle.contour_axis, 'C');
+  EXPECT_EQ(machine.spindle.orient_m, 18);
+  const std::string written = to_toml(machine);
+  EXPECT_EQ(to_toml(parsed(written)), written);
+}
+
+TEST(MachineFile, CouplingsNameAxesThatAreThere) {
+  for (const char* wrong :
+       {"[machine]\nprofile = \"fanuc-0i-m\"\n[axis.V]\nfollows = \"W\"\n",
+        "[machine]\nprofile = \"fanuc-0i-m\"\n[axis.X]\nfollows = \"X\"\n",
+        "[machine]\nprofile = \"fanuc-0i-m\"\n[axis.X]\nfollows = \"Y\"\n[axis.Y]\nfollows = \"Z\"\n",
+        "[machine]\nprofile = \"fanuc-0i-m\"\n[axis.Y]\ninclined_deg = 10\n",
+        "[machine]\nprofile = \"fanuc-0i-m\"\npolygon_axis = \"X\"\n",
+        "[machine]\nprofile = \"fanuc-0i-m\"\n[spindle]\ncontour_axis = \"C\"\n"}) {
+    EXPECT_TRUE(std::holds_alternative<MachineError>(parse_machine(wrong, "m.toml"))) << wrong;
+  }
+}
+
 TEST(MachineFile, TheDefaultsOfEveryProfileAreAValidFile) {
   for (const std::string_view profile :
        {"fanuc-0i-t", "fanuc-0i-m", "gsk-2000tc", "gsk-218t", "k2000tc", "lathe-200t"}) {

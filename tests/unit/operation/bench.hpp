@@ -28,12 +28,14 @@ struct Feeder {
   std::string text;
   std::size_t released = 0;
   bool closed = false;
+  bool broken = false;  ///< the line failed behind what was released
 };
 class FedSource final : public program::Source {
  public:
   explicit FedSource(std::shared_ptr<Feeder> feeder) : feeder_(std::move(feeder)) {}
   program::ReadResult read(std::span<char> buffer) override {
     const std::size_t ready = std::min(feeder_->released, feeder_->text.size()) - at_;
+    if (ready == 0 && feeder_->broken) return {program::ReadStatus::failed, 0};
     if (ready == 0)
       return {feeder_->closed && at_ == feeder_->text.size() ? program::ReadStatus::end
                                                              : program::ReadStatus::wait,

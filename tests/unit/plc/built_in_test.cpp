@@ -14,6 +14,13 @@ int periods_until_finished(BuiltIn& plc, const Inputs& inputs) {
   return periods;
 }
 
+Inputs at_speed(bool reached) {
+  Inputs inputs;
+  inputs.spindle_at_speed = reached;
+  inputs.period_s = 0.001;
+  return inputs;
+}
+
 Request m_code(int code) {
   Request request;
   request.code = code;
@@ -25,7 +32,7 @@ TEST(BuiltIn, AnMCodeTakesItsTime) {
   EXPECT_TRUE(plc.finished());
   plc.request(m_code(33));
   EXPECT_FALSE(plc.finished());
-  EXPECT_EQ(periods_until_finished(plc, {true, 0.001}), 50);
+  EXPECT_EQ(periods_until_finished(plc, at_speed(true)), 50);
 }
 
 TEST(BuiltIn, AToolTakesItsOwnTimeAndIsThenInPlace) {
@@ -34,7 +41,7 @@ TEST(BuiltIn, AToolTakesItsOwnTimeAndIsThenInPlace) {
   tool.kind = FunctionKind::tool;
   tool.code = 7;
   plc.request(tool);
-  EXPECT_EQ(periods_until_finished(plc, {true, 0.001}), 200);
+  EXPECT_EQ(periods_until_finished(plc, at_speed(true)), 200);
   EXPECT_EQ(plc.outputs().tool, 7);
 }
 
@@ -46,9 +53,9 @@ TEST(BuiltIn, TheSpindleIsFinishedAtSpeedOnly) {
   spindle.speed = 800;
   plc.request(spindle);
   EXPECT_EQ(plc.outputs().turning, Turning::counterclockwise);
-  for (int i = 0; i < 500; ++i) plc.step({false, 0.001});
+  for (int i = 0; i < 500; ++i) plc.step(at_speed(false));
   EXPECT_FALSE(plc.finished());
-  plc.step({true, 0.001});
+  plc.step(at_speed(true));
   EXPECT_TRUE(plc.finished());
 }
 
@@ -72,6 +79,30 @@ TEST(BuiltIn, CoolantFollowsM07M08M09AndResetStopsAllButTheTool) {
   EXPECT_TRUE(plc.finished());
   EXPECT_FALSE(plc.outputs().mist);
   EXPECT_EQ(plc.outputs().tool, 3);
+}
+
+TEST(BuiltIn, OrientationAndContourAreFinishedWhenTheSpindleIsThere) {
+  BuiltIn plc({0.01, 0.2}, {19, 14, 15});
+  Inputs inputs = at_speed(true);
+  plc.request(m_code(19));
+  EXPECT_TRUE(plc.outputs().orient);
+  EXPECT_EQ(plc.outputs().turning, Turning::stop);
+  for (int i = 0; i < 100; ++i) plc.step(inputs);
+  EXPECT_FALSE(plc.finished());
+  inputs.spindle_oriented = true;
+  plc.step(inputs);
+  EXPECT_TRUE(plc.finished());
+  plc.request(m_code(14));
+  EXPECT_TRUE(plc.outputs().contour);
+  EXPECT_FALSE(plc.outputs().orient);
+  inputs.contour_ready = true;
+  for (int i = 0; i < 100; ++i) plc.step(inputs);
+  EXPECT_TRUE(plc.finished());
+  plc.request(m_code(15));
+  EXPECT_FALSE(plc.outputs().contour);
+  const std::uint32_t orders = plc.outputs().spindle_orders;
+  plc.reset();
+  EXPECT_GT(plc.outputs().spindle_orders, orders) << "what held the spindle lets go";
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <ctime>
 #include <fstream>
 
-#include "tests/unit/link/temporary_folder.hpp"
+#include "tests/unit/temporary_folder.hpp"
 
 namespace headstock::wire {
 namespace {

@@ -8,7 +8,7 @@ export type MachineState =
 export type Role = "viewer" | "operator" | "programmer" | "setter" | "administrator";
 export const roles: readonly Role[] = ["viewer", "operator", "programmer", "setter", "administrator"];
 
-export interface Session { user: string; name: string; role: Role; language: string | null; must_change_password?: boolean }
+export interface Session { user: string; name: string; role: Role; language: string | null; must_change_password?: boolean; look_only?: boolean; machine_roles?: Record<string, Role> }
 
 export interface User {
   id: number; user: string; name: string; role: Role; language: string | null; disabled: boolean; last_sign_in: string | null;

@@ -19,11 +19,12 @@ export interface Shop {
   alarmsSeen: number;                       // grows with each alarm or clearing, so that lists know to ask again
   partsSeen: number;
   programsSeen: number;
+  valuesSeen: ReadonlyMap<number, number>;  // machine → how often its values or requests have changed
 }
 
 export const emptyShop: Shop = {
   link: "connecting", lostSince: null, attempt: 0, clock: null,
-  machines: new Map(), transfers: new Map(), alarmsSeen: 0, partsSeen: 0, programsSeen: 0,
+  machines: new Map(), transfers: new Map(), alarmsSeen: 0, partsSeen: 0, programsSeen: 0, valuesSeen: new Map(),
 };
 
 export type ServerMessage =
@@ -32,7 +33,7 @@ export type ServerMessage =
   | { type: "tick"; now: string }
   | { type: "alarm" } | { type: "part" } | { type: "program" }
   | { type: "transfer"; transfer?: Transfer } & Partial<Transfer>
-  | { type: "machine"; machine?: number; removed?: boolean };
+  | { type: "machine"; machine?: number; removed?: boolean; changed?: string };
 
 export function receive(shop: Shop, message: ServerMessage, monotonicMs: number): Shop {
   switch (message.type) {
@@ -59,6 +60,9 @@ export function receive(shop: Shop, message: ServerMessage, monotonicMs: number)
       return { ...shop, partsSeen: shop.partsSeen + 1 };
     case "program":
       return { ...shop, programsSeen: shop.programsSeen + 1 };
+    case "machine":
+      return message.changed === "values" && message.machine !== undefined
+        ? { ...shop, valuesSeen: new Map(shop.valuesSeen).set(message.machine, (shop.valuesSeen.get(message.machine) ?? 0) + 1) } : shop;
     default:
       return shop;                          // newer servers may say more
   }

@@ -6,7 +6,8 @@ import { duration, moment } from "../format/time";
 import { inLanguage } from "../i18n";
 import { useLoad, useShop } from "../live/hooks";
 import { address, swap, useRoute } from "../shell/router";
-import { Button, ErrorNote, Panel, Tabs } from "../ui/parts";
+import { Button, CsvLink, ErrorNote, Panel, Tabs } from "../ui/parts";
+import { AlarmEvents } from "./AlarmEvents";
 import { AlarmStatistics } from "./AlarmStatistics";
 
 const filters = ["machine", "from", "to", "code", "q", "active"] as const;
@@ -28,7 +29,8 @@ export function AlarmHistory() {
   useEffect(() => { setMore([]); setNext(first?.next ?? null); }, [first]);
   const [text, setText] = useState({ code: chosen.code ?? "", q: chosen.q ?? "" });
 
-  const view = route.search.get("view") === "statistics" ? "statistics" : "list";
+  const asked = route.search.get("view");
+  const view = asked === "statistics" || asked === "events" ? asked : "list";
   const set = (change: Partial<Record<(typeof filters)[number], string | null>>) => swap(address(["alarms"], { ...chosen, ...change, view: view === "list" ? null : view }));
   const local = (t0: Date) => new Date(t0.getTime() - t0.getTimezoneOffset() * 60_000).toISOString().slice(0, 16);
   const names = new Map((machines ?? []).map((machine) => [machine.id, machine.name]));
@@ -57,10 +59,12 @@ export function AlarmHistory() {
           onBlur={() => set({ q: text.q.trim() || null })} /></label>
         <label className="check"><input type="checkbox" name="active" checked={chosen.active === "true"} onChange={(event) => set({ active: event.target.checked ? "true" : null })} />{t("alarms.active_only")}</label>
         <button type="submit" className="visually-hidden">{t("common.apply")}</button>
+        <CsvLink path={`/alarms${query({ ...chosen, from: utc(chosen.from), to: utc(chosen.to) })}`} />
         {filtered && <Button small kind="quiet" icon="close" onClick={() => { setText({ code: "", q: "" }); swap(address(["alarms"])); }}>{t("alarms.clear")}</Button>}
       </form>
       <Tabs label={t("alarms.view")} value={view} onChange={(value) => swap(address(["alarms"], { ...chosen, view: value === "list" ? null : value }))}
-        options={[{ value: "list", text: t("alarms.list") }, { value: "statistics", text: t("alarms.statistics") }]} />
+        options={[{ value: "list", text: t("alarms.list") }, { value: "statistics", text: t("alarms.statistics") }, { value: "events", text: t("rules.events") }]} />
+      {view === "events" && <Panel className="flush"><AlarmEvents machine={chosen.machine} /></Panel>}
       {view === "statistics" && <Panel className="flush"><AlarmStatistics machine={chosen.machine} from={utc(chosen.from)} to={utc(chosen.to)} onCode={(code) => swap(address(["alarms"], { ...chosen, code }))} /></Panel>}
       {view === "list" && <>
       <ErrorNote error={error} />

@@ -17,7 +17,7 @@ export function Users() {
   const { busy, run } = useAction();
   const done = () => { setOpen(null); reload(); };
   return (
-    <div className="page" data-page="users">
+    <div className="page-part" data-page="users">
       <div className="page-bar"><h1>{t("nav.users")}</h1>
         <Button kind="primary" icon="plus" onClick={() => setOpen({ kind: "edit", user: null })}>{t("users.add")}</Button></div>
       <ErrorNote error={error} />

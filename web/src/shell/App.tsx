@@ -1,6 +1,6 @@
 import { lazy, Suspense, useEffect, useState } from "react";
 import { useTranslation } from "react-i18next";
-import { ApiError, get, remove, whenSignedOut } from "../api/client";
+import { ApiError, get, post, remove, whenSignedOut } from "../api/client";
 import type { Session } from "../api/types";
 import { chosenLanguage, setLanguage } from "../i18n";
 import { link } from "../live/socket";
@@ -9,15 +9,16 @@ import { AlarmHistory } from "../pages/AlarmHistory";
 import { Floor } from "../pages/Floor";
 import { SignIn } from "../pages/SignIn";
 import { Times } from "../pages/times/Times";
-import { Users } from "../pages/Users";
 import { Toasts } from "../ui/parts";
 import { Header, LinkBanner } from "./Header";
 import { address, go, useRoute } from "./router";
-import { atLeast, SessionContext } from "./session";
+import { atLeast, onMachine, SessionContext } from "./session";
 
 // The 3-D view and the editor are large: they come when a page needs them.
 const MachinePage = lazy(() => import("../pages/machine/MachinePage").then((m) => ({ default: m.MachinePage })));
+const Admin = lazy(() => import("../pages/admin/Admin").then((m) => ({ default: m.Admin })));
 const Dnc = lazy(() => import("../pages/dnc/Dnc").then((m) => ({ default: m.Dnc })));
+const Data = lazy(() => import("../pages/data/Data").then((m) => ({ default: m.Data })));
 const Programs = lazy(() => import("../pages/programs/Programs").then((m) => ({ default: m.Programs })));
 
 export function App() {
@@ -36,7 +37,10 @@ export function App() {
         });
     };
     let timer: ReturnType<typeof setTimeout> | undefined;
-    ask();
+    // A wall screen's address carries its secret once; from then on the browser keeps it out of reach of scripts.
+    const screen = /^#\/screen\/([0-9a-f]{64})$/.exec(location.hash)?.[1];
+    if (screen) void post("/session/screen", { token: screen }).catch(() => undefined).then(() => { location.replace("#/floor?wall=1"); ask(); });
+    else ask();
     return () => clearTimeout(timer);
   }, []);
 
@@ -75,12 +79,13 @@ function Frame({ session, onSignOut, onChanged }: {
 
   let content: JSX.Element;
   if (session.must_change_password) content = <Account forced onChanged={onChanged} />;
-  else if (page === "machines" && id) content = <MachinePage key={id} id={Number(id)} />;
+  else if (page === "machines" && id) content = <SessionContext.Provider value={onMachine(session, Number(id))}><MachinePage key={id} id={Number(id)} /></SessionContext.Provider>;
   else if (page === "programs") content = <Programs program={id ? Number(id) : null} />;
+  else if (page === "data") content = <Data />;
   else if (page === "dnc") content = <Dnc />;
   else if (page === "alarms") content = <AlarmHistory />;
   else if (page === "times") content = <Times />;
-  else if (page === "users" && atLeast(session, "administrator")) content = <Users />;
+  else if (page === "users" && atLeast(session, "administrator")) content = <Admin />;
   else if (page === "account") content = <Account onChanged={onChanged} />;
   else content = <Floor wall={wall} />;
 

@@ -44,7 +44,7 @@ export function Header({ page, onSignOut }: { page: string; onSignOut: () => voi
     return count;
   });
   const items: { page: string; icon: IconName; count?: number }[] = [
-    { page: "floor", icon: "floor" }, { page: "programs", icon: "programs" }, { page: "dnc", icon: "link" }, { page: "alarms", icon: "alarms", count: alarms },
+    { page: "floor", icon: "floor" }, { page: "programs", icon: "programs" }, { page: "data", icon: "data" }, { page: "dnc", icon: "link" }, { page: "alarms", icon: "alarms", count: alarms },
     { page: "times", icon: "times" },
     ...(administrator ? [{ page: "users", icon: "users" } as const] : []),
   ];

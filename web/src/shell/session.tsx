@@ -10,5 +10,11 @@ export function useSession(): Session {
 }
 
 export const atLeast = (session: Session, role: Role) => roles.indexOf(session.role) >= roles.indexOf(role);
+/// The session as it is on one machine: a role granted there counts as long as the page is about it.
+export function onMachine(session: Session, machine: number): Session {
+  const granted = session.machine_roles?.[String(machine)];
+  return granted && roles.indexOf(granted) > roles.indexOf(session.role) ? { ...session, role: granted } : session;
+}
+
 /// What the page offers; the server decides on its own.
 export const useMay = (role: Role): boolean => atLeast(useSession(), role);

@@ -21,6 +21,7 @@ const shapes = {
   floor: "M2 2h5v5H2zM9 2h5v5H9zM2 9h5v5H2zM9 9h5v5H9z",
   programs: "M3.5 1.5h6l3 3v10h-9zM9.5 1.5v3h3M5.5 8h5M5.5 10.5h5",
   alarms: "M8 2 14.5 13.5h-13zM8 6.5v3.5M8 11.6v.6",
+  data: "M2 3h12v10H2zM2 6.3h12M2 9.7h12M6.5 3v10",
   times: "M2 13.5h12M3.5 13V8.5M7 13V3.5M10.5 13V6.5M14 13v-3",
   users: "M8 7.5a2.7 2.7 0 1 0 0-5.4 2.7 2.7 0 0 0 0 5.4zM2.5 14c.4-3 2.5-4.5 5.5-4.5s5.1 1.5 5.5 4.5",
   folder: "M1.5 3.5h5l1.5 2h6.5v8h-13z",

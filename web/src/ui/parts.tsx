@@ -76,6 +76,12 @@ export function ErrorNote({ error }: { error: unknown }) {
   return <div className="note error" role="alert"><StateIcon state="alarm" /><span>{errorText(error)}</span></div>;
 }
 
+/// The same list as a table for a spreadsheet; all of it, not only what the page shows.
+export function CsvLink({ path }: { path: string }) {
+  const { t } = useTranslation();
+  return <a className="button plain csv" href={`/api/v1${path}${path.includes("?") ? "&" : "?"}format=csv`} download title={t("common.csv_title")}><Icon name="download" />CSV</a>;
+}
+
 export function Note({ kind = "info", children }: { kind?: "info" | "good" | "warn" | "error"; children: ReactNode }) {
   return <div className={`note ${kind}`} role={kind === "error" ? "alert" : "status"}><span>{children}</span></div>;
 }

@@ -13,7 +13,7 @@ import { Button, Dialog, ErrorNote, Field, Panel, Tabs, toast, useAction } from 
 import { TokenDialog } from "../AddMachine";
 
 type Tab = "resident" | "runs" | "alarms" | "data";
-interface Run { id: number; program: string | null; revision?: number | null; started: string; ended: string | null; outcome: string | null; run_s: number | null; cutting_s?: number | null }
+interface Run { id: number; program: string | null; revision?: number | null; started: string; ended: string | null; outcome: string | null; run_s: number | null; cutting_s?: number | null; parts?: number | null; holds?: number | null; overrides?: { feed?: [number, number] } | null; by?: string | null }
 
 export function MachineRecords({ id, seen, machine, onChanged }: { id: number; seen: Seen; machine: Machine | undefined; onChanged: () => void }) {
   const { t } = useTranslation();
@@ -70,6 +70,8 @@ function Census({ id, seen }: { id: number; seen: Seen }) {
   );
 }
 
+const feedRange = (range: [number, number] | undefined) => (!range ? unknownText : range[0] === range[1] ? `${range[0]} %` : `${range[0]}–${range[1]} %`);
+
 function Runs({ id }: { id: number }) {
   const { t } = useTranslation();
   const parts = useShop((shop) => shop.partsSeen);
@@ -77,11 +79,12 @@ function Runs({ id }: { id: number }) {
   return (
     <div className="table-box">
       <ErrorNote error={error} />
-      <table className="table"><thead><tr><th>{t("machine.run_started")}</th><th>{t("machine.program")}</th><th>{t("machine.run_outcome")}</th><th className="right">{t("machine.run_duration")}</th><th className="right">{t("machine.cutting_time")}</th></tr></thead>
+      <table className="table"><thead><tr><th>{t("machine.run_started")}</th><th>{t("machine.program")}</th><th>{t("machine.run_outcome")}</th><th className="right">{t("machine.run_duration")}</th><th className="right">{t("machine.cutting_time")}</th><th className="right">{t("machine.parts")}</th><th className="right">{t("machine.run_holds")}</th><th className="right">{t("machine.run_overrides")}</th><th>{t("machine.run_by")}</th></tr></thead>
         <tbody>{(value?.items ?? []).map((one) => (
           <tr key={one.id}><td className="num">{moment(one.started)}</td><td>{one.program}</td>
             <td><span className={`chip ${one.outcome === "completed" ? "good" : one.outcome === "alarm" ? "bad" : ""}`}>{t(`outcome.${one.outcome ?? "running"}`, { defaultValue: one.outcome ?? "" })}</span></td>
-            <td className="num right">{duration(one.run_s)}</td><td className="num right">{duration(one.cutting_s)}</td></tr>))}</tbody></table>
+            <td className="num right">{duration(one.run_s)}</td><td className="num right">{duration(one.cutting_s)}</td>
+            <td className="num right">{one.parts ?? unknownText}</td><td className="num right">{one.holds ?? unknownText}</td><td className="num right">{feedRange(one.overrides?.feed)}</td><td>{one.by ?? ""}</td></tr>))}</tbody></table>
       {value?.items.length === 0 && <div className="empty small">{t("machine.runs_none")}</div>}
     </div>
   );
