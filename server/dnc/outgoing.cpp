@@ -137,6 +137,9 @@ Tail tail_of(const OutgoingText& text, const PortSettings& settings, std::int64_
   std::ifstream in(text.file, std::ios::binary);
   in.seekg(static_cast<std::streamoff>(text.offset));
   std::int64_t line = from_line;
+  std::string before;
+  if (text.offset == 0)
+    for (std::int64_t skipped = 1; skipped < from_line; ++skipped) std::getline(in, before);
   for (std::string one; whole && made < bytes && std::getline(in, one); ++line) {
     whole = went(one + "\n", false);
     if (whole) tail.line = line;

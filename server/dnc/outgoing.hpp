@@ -29,7 +29,7 @@ struct OutgoingFacts {
 /// Worker. Reads it all.
 OutgoingFacts examine(const OutgoingText& text, const PortSettings& settings);
 /// What the first `bytes` characters of it were: their end as text, and the last line of the file that went
-/// out whole. Worker. @param from_line that `text.offset` belongs to.
+/// out whole. Worker. @param from_line where it begins; `text.offset`, when not 0, is that line's.
 Tail tail_of(const OutgoingText& text, const PortSettings& settings, std::int64_t from_line,
              std::uint64_t bytes);
 /// The same bytes, piece by piece.

@@ -1,5 +1,6 @@
 #include "server/dnc/port_line.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/executor_work_guard.hpp>
@@ -7,6 +8,8 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <utility>
+
+#include "protocol/tape/code.hpp"
 
 namespace headstock::dnc {
 
@@ -178,6 +181,8 @@ struct PortLine::Impl : std::enable_shared_from_this<Impl> {
 
   void idle(std::string_view bytes) {
     if (!listens || !line || line->busy()) return;
+    // A control that asks, or stops asking, while nothing is to be sent: no punch begins with that.
+    if (std::ranges::all_of(bytes, [](char c) { return (c & 0x7F) == tape::dc1 || (c & 0x7F) == tape::dc3; })) return;
     // The rest of a punch that was too much is not the beginning of the next one.
     const auto now = serial::Clock::now();
     const bool still =

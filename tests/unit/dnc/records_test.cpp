@@ -117,6 +117,8 @@ TEST_F(RecordsTest, TheTailIsWhatReallyWentOut) {
   EXPECT_EQ(part.text, "%\nO1\nG01X1.\nG01") << "as it went out: without spaces, readable";
   EXPECT_EQ(tail_of(text, settings, 1, all).line, 6);
   const OutgoingText rest{text.file, "%\nO1\n(HEADER)\n", std::string("%\nO1\nG01 X1.\n").size()};
+  EXPECT_EQ(tail_of({text.file, rest.header, 0}, settings, 4, examine(rest, settings).bytes).line, 6)
+      << "a certificate knows the line, not the offset";
   EXPECT_EQ(tail_of(rest, settings, 4, 5).line, 0) << "the header was not over";
   EXPECT_EQ(tail_of(rest, settings, 4, std::string("%\nO1\n(HEADER)\nG01X2.\nM").size()).line, 4);
 }
