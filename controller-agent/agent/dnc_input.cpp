@@ -23,6 +23,7 @@ using namespace std::chrono_literals;
 constexpr auto kFinishWithin = 3s;
 /// The next program is offered when the controller has come to the end of the last one.
 constexpr auto kOfferAgain = 100ms;
+constexpr auto kAskAgain = 1s;
 
 serial::ReaderRules rules_of(const DncSettings& settings) {
   serial::ReaderRules rules;
@@ -50,6 +51,7 @@ struct DncInput::Impl final : serial::PortListener, std::enable_shared_from_this
         offer(std::move(the_offer)),
         make_port(std::move(the_make_port)),
         timer(executor),
+        asking(executor),
         reader(rules_of(settings)) {
     if (!make_port) {
       make_port = [this] {
@@ -64,7 +66,7 @@ struct DncInput::Impl final : serial::PortListener, std::enable_shared_from_this
   const DncSettings settings;
   const Offer offer;
   MakePort make_port;
-  asio::steady_timer timer;
+  asio::steady_timer timer, asking;
   std::unique_ptr<serial::Port> port;
   std::string to_write;
   bool rts = true;
@@ -154,9 +156,33 @@ struct DncInput::Impl final : serial::PortListener, std::enable_shared_from_this
     return false;
   }
 
+  /// A DC1 that came before the sender had opened its side is lost: while nothing comes, it is said again.
+  void ask_again() {
+    if (!settings.line.software()) return;
+    asking.expires_after(kAskAgain);
+    asking.async_wait([weak = weak_from_this()](const boost::system::error_code& error) {
+      const auto self = weak.lock();
+      if (error || !self) return;
+      {
+        const std::scoped_lock lock(self->mutex);
+        if (self->state != State::reading || self->reader.received() > 0) return;
+        if (self->reader.state() == serial::Reader::State::reading && self->to_write.empty())
+          self->to_write += static_cast<char>(tape::dc1);
+      }
+      self->pump();
+      self->ask_again();
+    });
+  }
+
   void post_pump() {
     asio::post(executor, [weak = weak_from_this()] {
       if (const auto self = weak.lock()) self->pump();
+    });
+  }
+
+  void post_ask_again() {
+    asio::post(executor, [weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->ask_again();
     });
   }
 
@@ -259,6 +285,7 @@ struct DncInput::Impl final : serial::PortListener, std::enable_shared_from_this
     }
     ++offers;
     timer.cancel();
+    asking.cancel();
     if (port) {
       port->write(to_write);
       port->close();
@@ -281,7 +308,7 @@ class DncSource final : public program::Source {
 
   program::ReadResult read(std::span<char> buffer) override {
     program::ReadResult result{ReadStatus::wait, 0};
-    bool tell = false;
+    bool tell = false, first = false;
     {
       DncInput::Impl& input = *input_;
       const std::scoped_lock lock(input.mutex);
@@ -292,7 +319,7 @@ class DncSource final : public program::Source {
         input.taken = 0;
         input.digest.reset();
         if (input.open) input.reader.start();
-        tell = true;
+        tell = first = true;
       }
       // The port could not be opened, or was lost before anything came.
       const bool idle = input.reader.state() == serial::Reader::State::idle;
@@ -311,6 +338,7 @@ class DncSource final : public program::Source {
       }
     }
     if (tell) input_->post_pump();
+    if (first) input_->post_ask_again();
     return result;
   }
   bool seek(std::uint64_t) override { return false; }

@@ -13,6 +13,8 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
+constexpr int kReceiveBuffer = 32 << 10;
+
 class ListeningPort final : public std::enable_shared_from_this<ListeningPort> {
  public:
   ListeningPort(const asio::any_io_executor& executor, std::string address, std::uint16_t port)
@@ -24,6 +26,8 @@ class ListeningPort final : public std::enable_shared_from_this<ListeningPort> {
     const auto address = asio::ip::make_address(address_, error);
     if (!error) acceptor_.open(tcp::endpoint(address, port_).protocol(), error);
     if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+    // Little waits here unread: the sender stands soon after the machine does.
+    if (!error) acceptor_.set_option(asio::socket_base::receive_buffer_size(kReceiveBuffer), error);
     if (!error) acceptor_.bind(tcp::endpoint(address, port_), error);
     if (!error) acceptor_.listen(1, error);
     asio::post(acceptor_.get_executor(), [self = shared_from_this(), error] {

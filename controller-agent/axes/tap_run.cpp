@@ -52,6 +52,12 @@ void TapRun::stop() noexcept {
   phase_ = phase_ == Phase::wait ? Phase::off : Phase::stopping;
 }
 
+void TapRun::drop() noexcept {
+  if (phase_ == Phase::off) return;
+  in_hole_ = (position_ - order_.end) * inward() > 0;
+  phase_ = Phase::off;
+}
+
 void TapRun::step(SimulatedSpindle& spindle, double gain_per_s) noexcept {
   if (phase_ == Phase::off) return;
   if (phase_ == Phase::wait) {

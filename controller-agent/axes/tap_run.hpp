@@ -35,6 +35,8 @@ class TapRun {
   void begin(const TapOrder& order, double position) noexcept;
   /// RESET, emergency stop: both brake in step and stay where they are.
   void stop() noexcept;
+  /// The drives are off: nothing keeps the step any more.
+  void drop() noexcept;
   /// One period: commands the spindle and moves the axis. Call before the spindle's own step.
   /// @param gain_per_s of the axis' position loop: the spindle has to lag as the axis does; 0: neither lags
   void step(SimulatedSpindle& spindle, double gain_per_s) noexcept;

@@ -73,7 +73,7 @@ bool Executor::execute_words() {
   if (cycle.rigid_next && !rigid_tap_follows()) return false;
   // A move of an axis that the machine does not have must not be left out silently.
   if (const std::uint32_t wrong = block.words & axis_like & ~axis_letters;
-      wrong != 0 && (action == nullptr || !action->cycle)) {
+      wrong != 0 && (action == nullptr || !action->cycle) && !is_h_block()) {
     const char letter = lowest_letter(wrong);
     return alarm(AlarmReason::illegal_address, block[letter].column, std::string(1, letter));
   }

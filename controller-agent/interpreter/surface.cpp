@@ -200,7 +200,8 @@ bool cylinder(Executor& ex) {
   wanted.kind = SurfaceKind::cylinder;
   wanted.rotary = wanted.linear = index;
   wanted.mm_per_degree = radius * kDegree;
-  ex.enter_surface(wanted, wanted.mm_per_degree);
+  // The axis is written in degrees (0i-D); as a length on the cylinder by the K2000TC (its example L3598).
+  ex.enter_surface(wanted, ex.dialect.modes.free_surfaces ? ex.unit_mm : wanted.mm_per_degree);
   for (double* zero :
        {&axis.zero_external, &axis.zero_work, &axis.zero_shift, &axis.zero_local, &axis.zero_tool})
     *zero *= wanted.mm_per_degree;

@@ -216,6 +216,7 @@ void Realtime::step_second() noexcept {
 
 /// Everything that moves axes beside the kernel, and the ramp that ends all of it.
 void Realtime::step_beside(bool emergency) noexcept {
+  if (tripped_) tap_.drop();
   if (tap_.running()) tap_.step(spindle_.spindle(), drive_->position_gain(tap_.axis()));
   if (tap_shown_) state_.base[tap_.axis()] = tap_.position();
   step_second();
@@ -410,6 +411,7 @@ bool Realtime::finished() noexcept {
 
 void Realtime::step_interlude() noexcept {
   functions_->step({spindle_.spindle().at_speed(), spindle_.oriented(), spindle_.contour_ready(), period_s_});
+  if (tripped_) return;  // without drives nothing begins and nothing is done; the abort drops it
   const std::uint64_t posted = posted_.load(std::memory_order_acquire);
   if (done_.load(std::memory_order_relaxed) == posted) return;
   if (begun_ != posted) {

@@ -138,11 +138,15 @@ bool Retrace::go(double way_mm, double feed_mm_s) {
   }
   if (!back && place.move == hold_.move && place.share == hold_.share) {
     // On a rounded corner the axes were held beside the programmed path: back there exactly.
-    motion::Move last;
-    last.geometry = motion::Line{hold_position_};
-    last.feed = motion::PathFeed{feed_mm_s};
-    last.tag = static_cast<std::uint64_t>(hold_.move) + 1;
-    if (!way.empty() || position_ != hold_position_) way.push_back(last);
+    if (!way.empty()) {
+      std::visit([this](auto& geometry) { geometry.end = hold_position_; }, way.back().geometry);
+    } else if (position_ != hold_position_) {
+      motion::Move last;
+      last.geometry = motion::Line{hold_position_};
+      last.feed = motion::PathFeed{feed_mm_s};
+      last.tag = static_cast<std::uint64_t>(hold_.move) + 1;
+      way.push_back(last);
+    }
   }
   if (way.empty()) return false;
   kernel_->set_position(position_);

@@ -302,6 +302,7 @@ void Controller::Impl::interlude_done() {
 }
 
 void Controller::Impl::data_ran_out() {
+  if (realtime.hold) return;  // it stands already; said once
   const RealtimeState& now = realtime.state();
   if (wait_since_period == 0) wait_since_period = now.periods + 1;
   const double waited_s = static_cast<double>(now.periods + 1 - wait_since_period) * period_s();

@@ -13,6 +13,7 @@
 #include <spdlog/spdlog.h>
 
 #include "db/blobs.hpp"
+#include "db/refusal.hpp"
 #include "db/store.hpp"
 #include "db/time.hpp"
 #include "db/user_store.hpp"
@@ -110,6 +111,33 @@ awaitable<api::Principal> authenticate(db::Store& store, std::string token) {
   co_return who;
 }
 
+/// Who was signed in a moment ago, so that Stop need not wait for the store.
+class Seen {
+ public:
+  void remember(const std::string& token, const api::Principal& who, std::int64_t now) {
+    if (who.role == api::Role::none) {
+      people_.erase(token);
+      return;
+    }
+    if (people_.size() >= kMost) people_.clear();
+    people_[token] = {who, who.expires_ms == 0 ? now + kFor_ms : std::min(now + kFor_ms, who.expires_ms)};
+  }
+  std::optional<api::Principal> find(const std::string& token, std::int64_t now) const {
+    const auto found = people_.find(token);
+    if (found == people_.end() || found->second.until_ms <= now) return std::nullopt;
+    return found->second.who;
+  }
+
+ private:
+  static constexpr std::size_t kMost = 10'000;
+  static constexpr std::int64_t kFor_ms = 300'000;
+  struct Person {
+    api::Principal who;
+    std::int64_t until_ms = 0;
+  };
+  std::map<std::string, Person> people_;
+};
+
 }  // namespace
 
 struct Shop::Impl {
@@ -141,7 +169,9 @@ struct Shop::Impl {
     backups.set_restorer({.send = [this](access::Actor actor, std::int64_t program, std::int64_t revision, std::int64_t machine) {
                             return send_restored(std::move(actor), program, revision, machine);
                           },
-                          .write = {}});
+                          .write = [this](access::Actor actor, std::int64_t machine, std::map<std::string, double> wanted, std::string why) {
+                            return write_restored(std::move(actor), machine, std::move(wanted), std::move(why));
+                          }});
     api::add_all_routes(router, services);
   }
 
@@ -153,7 +183,10 @@ struct Shop::Impl {
     return agents;
   }
 
+  awaitable<api::Principal> look_up(std::string token);
   dnc::AgentCarrier agents_as_ports();
+  awaitable<nlohmann::json> write_restored(access::Actor actor, std::int64_t machine, std::map<std::string, double> wanted,
+                                           std::string why);
   awaitable<nlohmann::json> send_restored(access::Actor actor, std::int64_t program, std::int64_t revision, std::int64_t machine);
   void publish(const db::TransferRow& row);
   void publish_port(std::int64_t port);
@@ -181,6 +214,7 @@ struct Shop::Impl {
   fleet::ValueDesk values;
   library::Distributor distributor;
   dnc::Dnc dnc;
+  Seen seen;
   api::Jobs jobs;
   db::Pool messenger{1};   ///< mail servers may be slow; nothing else waits behind them
   db::Pool keeper{1};      ///< backups and retention take minutes
@@ -197,6 +231,12 @@ struct Shop::Impl {
   asio::steady_timer second{io};
   bool stopping = false;
 };
+
+awaitable<api::Principal> Shop::Impl::look_up(std::string token) {
+  auto who = co_await authenticate(*store, token);
+  seen.remember(token, who, db::now_ms());
+  co_return who;
+}
 
 dnc::AgentCarrier Shop::Impl::agents_as_ports() {
   dnc::AgentCarrier agents;
@@ -228,6 +268,30 @@ awaitable<nlohmann::json> Shop::Impl::send_restored(access::Actor actor, std::in
   const auto transfer = co_await distributor.find(first);
   if (!transfer) co_return nlohmann::json{{"state", "failed"}, {"reason", "not_connected"}};
   co_return nlohmann::json{{"state", transfer->state}, {"reason", transfer->reason}, {"transfer", transfer->id}};
+}
+
+/// What differs is asked for as any other change: within the limits of one person, written, read back.
+awaitable<nlohmann::json> Shop::Impl::write_restored(access::Actor actor, std::int64_t machine, std::map<std::string, double> wanted,
+                                                     std::string why) {
+  using nlohmann::json;
+  actor.rights = nullptr;   // who may restore a machine may write what belongs to it
+  actor.role = std::max(actor.role, access::Role::setter);
+  try {
+    const auto compare = [&](db::Database& db) { return fleet::difference(db, machine, wanted, ""); };
+    fleet::Difference difference = co_await store->run(compare);
+    if (difference.items.empty()) co_return json{{"state", "same"}, {"without_place", difference.without_place}};
+    fleet::NewValueRequest request;
+    request.machine = machine;
+    request.origin = "restore";
+    request.why = std::move(why);
+    const auto count = difference.items.size();
+    request.items = std::move(difference.items);
+    const auto row = co_await values.ask(std::move(actor), std::move(request));
+    co_return json{{"state", row.state},   {"reason", row.reason}, {"where", row.where}, {"request", row.id},
+                   {"differ", count}, {"without_place", difference.without_place}};
+  } catch (const db::Refusal& refusal) {
+    co_return json{{"state", "refused"}, {"reason", refusal.code()}, {"where", refusal.where()}};
+  }
 }
 
 void Shop::Impl::publish(const db::TransferRow& row) {
@@ -263,9 +327,10 @@ void Shop::Impl::start_web() {
   web_options.port = options.port;
   web_options.tls = tls.get();
   api::WebHost host;
-  host.authenticate = [this](std::string token) { return authenticate(*store, std::move(token)); };
-  host.web_socket = [this, look_up = host.authenticate](std::shared_ptr<api::SocketClient> client, api::Principal who) {
-    return api::serve_events(services, look_up, std::move(client), std::move(who));
+  host.authenticate = [this](std::string token) { return look_up(std::move(token)); };
+  host.known = [this](const std::string& token) { return seen.find(token, db::now_ms()); };
+  host.web_socket = [this, look_up_again = host.authenticate](std::shared_ptr<api::SocketClient> client, api::Principal who) {
+    return api::serve_events(services, look_up_again, std::move(client), std::move(who));
   };
   host.file = api::static_file;
   host.machines = [this](const api::Route& route, const api::Call& call) { return api::machines_of(services, route, call); };

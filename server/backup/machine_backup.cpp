@@ -79,7 +79,8 @@ MachineArchive read_machine(const std::filesystem::path& file, const db::Blobs& 
     } else if (entry.name() == "machine.toml") {
       found.toml = entry.all();
     } else if (entry.name() == "values.json") {
-      for (const auto& [what, value] : parsed(entry).items())
+      const json values = parsed(entry);  // outlives the loop over it
+      for (const auto& [what, value] : values.items())
         if (value.is_number()) found.values[what] = value.get<double>();
     } else if (entry.name() == "programs.json") {
       programs = parsed(entry);

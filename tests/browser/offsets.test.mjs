@@ -26,9 +26,6 @@ async function person(user) {
 describe("machine data", { skip: !built() && "not built" }, () => {
   before(async () => {
     shop = await Shop.start();
-    await shop.call("POST", "/session/password", { old: shop.password, new: "correct horse 9" });
-    shop.password = "correct horse 9";
-    await shop.signIn();
     machine = await shop.addMachine("Lathe 1", "fanuc-0i-t", "lathe-1.toml");
     await until("reported", async () => (await values()).reported);
     shop.second = await person("li");

@@ -15,7 +15,7 @@ mkdirSync(out, { recursive: true });
 const pages = {
   floor: "#/floor", wall: "#/floor?wall=1", "machine-lathe": "#/machines/1", "machine-mill": "#/machines/2", "machine-unknown": "#/machines/9",
   programs: "#/programs?folder=%2Fshafts", "program-text": "#/programs/1", "program-revisions": "#/programs/1?tab=revisions",
-  "program-diff": "#/programs/1?tab=diff", "program-check": "#/programs/1?tab=check", "program-mill-check": "#/programs/2?tab=check", "program-send": "#/programs/1?tab=send", alarms: "#/alarms", "alarms-statistics": "#/alarms?view=statistics", times: "#/times?period=7d", "times-machine": "#/times/3?period=7d", "times-shifts": "#/times", users: "#/users", account: "#/account",
+  "program-diff": "#/programs/1?tab=diff", "program-check": "#/programs/1?tab=check", "program-mill-check": "#/programs/2?tab=check", "program-send": "#/programs/1?tab=send", alarms: "#/alarms", "alarms-statistics": "#/alarms?view=statistics", times: "#/times?period=7d", "times-machine": "#/times/3?period=7d", "times-shifts": "#/times", users: "#/users", "admin-rights": "#/users?tab=rights", "admin-screens": "#/users?tab=screens", "admin-audit": "#/users?tab=audit", "admin-backups": "#/users?tab=backups", "admin-messages": "#/users?tab=messages", "alarms-events": "#/alarms?view=events", account: "#/account",
 };
 const shop = option("url") ? { url: option("url"), user: option("user"), password: option("password"), stop: () => {} } : await startMock({ machines: 12, dist });
 const crowd = option("url") ? null : await startMock({ machines: 60, dist });

@@ -280,6 +280,8 @@ bool apply_settings(const std::string& settings, interp::Switches& switches) {
       switches.decimal_point = interp::DecimalPoint::pocket;
     } else if (word == "decimal_point=standard") {
       switches.decimal_point = interp::DecimalPoint::standard;
+    } else if (word.rfind("most_jumps=", 0) == 0) {
+      switches.most_jumps = std::stoull(word.substr(11));
     } else if (word == "origin=mdi") {
       switches.origin = interp::ProgramOrigin::mdi;
     } else if (word == "origin=dnc") {

@@ -167,8 +167,11 @@ class Records(DncTest):
         self.assertEqual((row["port"], row["machine"], row["name"], row["outcome"], row["sha256"], row["line_sha256"], int(row["bytes"])),
                          ("Line 1", "Old mill", "O2001", "done", done["sha256"], done["wire_sha256"], done["bytes"]))
         self.assertGreater(float(row["seconds"]), 0)
-        self.cli("login", "--server", self.api.base, "--user", self.shop.first_sign_in()[0], "--password-file",
-                 os.path.join(self.shop.folder, "server", "first-sign-in"))
+        user, password = self.shop.administrator()
+        kept = os.path.join(self.shop.folder, "password")
+        with open(kept, "w", encoding="utf-8") as file:
+            file.write(password + "\n")
+        self.cli("login", "--server", self.api.base, "--user", user, "--password-file", kept)
         self.assertIn("O2001", self.cli("ports", "census"))
         self.assertEqual(len(list(csv.reader(io.StringIO(self.cli("ports", "log"))))), 2)
         self.assertIn("last whole line", self.cli("ports", "tail", str(sent["id"])))

@@ -244,6 +244,8 @@ Dialect make_fanuc_0i_t() {
   d.life.per_offset_parameter = "6801#1";
   d.set_alarm_code(R::no_intermediate, "PS0010");  // M alarms: no G29, no G43 here
   d.set_alarm_code(R::length_axis, "PS0010");
+  d.set_alarm_code(R::length_axes, "PS0010");  // both M only, as G43-G48 are
+  d.set_alarm_code(R::step_in_compensation, "PS0010");
   d.set_alarm_code(R::polar_axis, "PS0145");
   d.set_alarm_code(R::polar_code, "PS0146");
   d.set_alarm_code(R::look_ahead_format, "PS0109");

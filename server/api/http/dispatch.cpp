@@ -74,7 +74,11 @@ awaitable<Dispatched> serve(const Router& router, const WebHost& host, const Lim
   std::string token = bearer(call.request.headers);
   const bool by_cookie = token.empty();
   if (by_cookie) token = cookie_value(call.request.headers.cookie, session_cookie);
-  if (!token.empty()) call.who = co_await host.authenticate(token);
+  if (!token.empty()) {
+    auto known = route.urgent && host.known ? host.known(token) : std::nullopt;
+    if (known) call.who = std::move(*known);
+    else call.who = co_await host.authenticate(token);
+  }
   const bool named = host.machines && names_machines(route);
   const auto refused = admission(route, call.who, by_cookie, call.request.headers,
                                  named ? access::kAnyMachine : access::kNoMachine);

@@ -56,6 +56,8 @@ struct Route {
   std::vector<Query> query{};
   std::vector<std::string> errors{};  ///< codes beyond those every route may give
   Handler handler{};
+  /// Ends something: who was known a moment ago need not wait for the store, which may be the thing that is stuck.
+  bool urgent = false;
 };
 
 /// Prefix of every route.

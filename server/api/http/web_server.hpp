@@ -55,6 +55,8 @@ struct WebHost {
   std::function<boost::asio::awaitable<Principal>(std::string token)> authenticate;
   /// Of routes that name machines (names_machines): which. Empty: none, only shop-wide rights count.
   std::function<boost::asio::awaitable<std::vector<std::int64_t>>(const Route&, const Call&)> machines{};
+  /// Who had this token when it was last looked up, a few minutes ago at most; may be missing. For urgent routes.
+  std::function<std::optional<Principal>(const std::string& token)> known{};
   /// Serves one WebSocket client until it goes or the server stops; may send while it receives.
   std::function<boost::asio::awaitable<void>(std::shared_ptr<SocketClient>, Principal)> web_socket;
   /// Files of the browser application (paths outside /api).

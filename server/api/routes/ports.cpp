@@ -226,6 +226,7 @@ std::vector<Route> sending(Services& s) {
   routes.push_back(steer("pause", "Stop sending until resumed", Action::cancel_transfer, &dnc::Dnc::pause));
   routes.push_back(steer("resume", "Go on sending", Action::open_drip, &dnc::Dnc::resume));
   routes.push_back(steer("cancel", "End what is under way", Action::cancel_transfer, &dnc::Dnc::cancel));
+  routes.back().urgent = true;
   routes.push_back({.method = Method::del, .pattern = "/ports/{id}/queue/{transfer}", .role = needs(Action::cancel_transfer),
                     .summary = "Take a waiting transfer out of the queue", .status = 204,
                     .handler = [&s](Call& call) -> awaitable<Reply> {

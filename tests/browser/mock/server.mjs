@@ -1,6 +1,7 @@
 // node server.mjs --port 8090 --machines 6 --dist ../../../build/release/web/app/dist
 // The contract of server/api/README.md with made-up answers: for work on the pages, and for what a real shop of two
 // machines cannot show (sixty cards, every state). The tests of the whole path run against the real server.
+import { keepingRoutes } from "./keeping.mjs";
 import { createHash } from "node:crypto";
 import { readFileSync, statSync } from "node:fs";
 import { createServer } from "node:http";
@@ -64,6 +65,7 @@ export function startMock({ port = 0, machines = 6, dist }) {
     ["GET", /^\/users$/, () => users], ["POST", /^\/users$/, (_, { body }) => { users.push({ id: users.length + 1, disabled: false, last_sign_in: null, ...body }); return users.at(-1); }],
     ["PATCH", /^\/users\/(\d+)$/, ([, id], { body }) => Object.assign(users.find((u) => u.id === Number(id)), body)],
     ["DELETE", /^\/users\/(\d+)$/, ([, id]) => { users.splice(users.findIndex((u) => u.id === Number(id)), 1); return {}; }],
+    ...keepingRoutes({ iso, users, shop }),
     ["GET", /^\/profiles$/, () => profiles],
     ["GET", /^\/machines$/, () => shop.map(machine)],
     ["POST", /^\/machines$/, (_, { body }) => { const made = { ...makeMachine(shop.length + 1), name: body.name, profile: body.profile, state: "unknown" }; shop.push(made); return { ...machine(made), enrolment_token: "HS1-7d1c-example" }; }],

@@ -79,6 +79,10 @@ struct Dnc : ::testing::Test {
     io.restart();
     io.poll();
   }
+  void settle_for(std::chrono::milliseconds time) {
+    io.restart();
+    io.run_for(time);
+  }
   /// Until nothing is left to do, timers included.
   void settle_all() {
     io.restart();
@@ -111,6 +115,18 @@ TEST_F(Dnc, AsksWhenCycleStartReadsAndNotBefore) {
   EXPECT_EQ(read(text), ReadStatus::data);
   EXPECT_EQ(text, "O1\nG00 X1.\n");
   EXPECT_EQ(read(text), ReadStatus::wait);
+}
+
+TEST_F(Dnc, AsksAgainWhileNothingComes) {
+  make();
+  on();
+  std::string text;
+  read(text);
+  while (wire.written.size() < 3) settle_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(wire.written, std::string(3, kDc1)) << "the sender may have opened its side only now";
+  came("%\nO1\n");
+  settle_for(std::chrono::milliseconds(1'200));
+  EXPECT_EQ(wire.written.size(), 3u);
 }
 
 TEST_F(Dnc, AProgramToItsPercentIsDrainedAndTheNextOneIsOffered) {

@@ -65,7 +65,7 @@ TEST_F(Listening, WhatIsNotWantedStaysWithTheSender) {
   start();
   port->set_rts(wanted = false);
   std::string text;
-  for (int i = 0; text.size() < 3'000'000; ++i) text += "N" + std::to_string(i) + "\n";
+  for (int i = 0; text.size() < 12'000'000; ++i) text += "N" + std::to_string(i) + "\n";
   auto peer = connect();
   peer.non_blocking(true);
   std::size_t sent = 0;
@@ -81,7 +81,7 @@ TEST_F(Listening, WhatIsNotWantedStaysWithTheSender) {
   EXPECT_EQ(received, "") << "nothing was wanted";
   EXPECT_LT(sent, text.size()) << "TCP holds the sender";
   for (std::size_t goal = 0; received.size() < text.size();) {
-    goal = want_until = received.size() + 100'000;
+    goal = want_until = received.size() + 400'000;
     port->set_rts(wanted = true);
     ASSERT_TRUE(until([&] {
       push();

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "db/database.hpp"
+#include "db/hash.hpp"
 #include "db/migrations.hpp"
 #include "tests/unit/temporary_folder.hpp"
 

@@ -53,6 +53,9 @@ TEST(Drip, DataThatRunOutAreAHoldThatNobodyButAPersonEnds) {
   EXPECT_TRUE(live.alarms[0].message);
   const AxisVector held = bench.controller.sample().position;
 
+  for (int i = 0; i < 1000; ++i) bench.period();
+  EXPECT_EQ(bench.controller.live().alarms.size(), 1u) << "said once, however long it lasts";
+
   // The data come: still nothing moves.
   feeder->released = feeder->text.size();
   feeder->closed = true;

@@ -143,10 +143,10 @@ TEST(Retrace, ResetLeavesTheAxesWhereTheyAre) {
   for (int i = 0; i < 500; ++i) limits.period();
   EXPECT_EQ(bench.controller.sample().position, stood);
   limits.expect_inside();
-  ASSERT_EQ(bench.press(Action::set_mode, static_cast<double>(Mode::memory)).reason, "");
+  bench.load("O2\nG90 G94 G21\nG01 X5. Y5. F2000.\nM30\n", "O2");
   ASSERT_TRUE(bench.start());
   ASSERT_TRUE(bench.until_state(State::idle, 60));
-  EXPECT_EQ(bench.controller.sample().position[0], 60);
+  EXPECT_EQ(bench.controller.sample().position[0], 5);
 }
 
 TEST(Retrace, OnlyInAHeldProgramAndByTheHandle) {

@@ -206,7 +206,7 @@ TEST(RigidTap, RefusedBeforeTheAxisMoves) {
     const char* code;
   };
   for (const Case& test : {
-           Case{"fanuc-0i-m", "O1\nG90 G94 G21 G00 Z0.\nM29 S3999\nG99 G84 Z-20. R-5. F9000.\nG80\nM30\n",
+           Case{"fanuc-0i-m", "O1\nG90 G94 G21 G00 Z0.\nM29 S6000\nG99 G84 Z-20. R-5. F12000.\nG80\nM30\n",
                 "HS0003"},
            Case{"fanuc-0i-m", "O1\nG90 G94 G21 G00 Z0.\nM29 S600\nG99 G84 Z-20000. R-5. F900.\nG80\nM30\n",
                 "OT0501"},

@@ -1,6 +1,6 @@
-import { useState, type FormEvent } from "react";
+import { useEffect, useState, type FormEvent } from "react";
 import { useTranslation } from "react-i18next";
-import { post } from "../api/client";
+import { get, post } from "../api/client";
 import type { Session } from "../api/types";
 import { LanguageSwitch, ThemeSwitch } from "../shell/Header";
 import { Logo } from "../ui/icons";
@@ -10,6 +10,11 @@ export function SignIn({ onSignedIn }: { onSignedIn: (session: Session) => void 
   const { t } = useTranslation();
   const [error, setError] = useState<unknown>(null);
   const [busy, setBusy] = useState(false);
+  // Where people can sign in elsewhere; without an answer there is no button.
+  const [provider, setProvider] = useState<string | null>(null);
+  useEffect(() => {
+    get<{ enabled: boolean; label: string }>("/sign-in-provider").then((found) => setProvider(found.enabled ? found.label : null), () => undefined);
+  }, []);
   const submit = (event: FormEvent<HTMLFormElement>) => {
     event.preventDefault();
     const form = new FormData(event.currentTarget);
@@ -27,6 +32,7 @@ export function SignIn({ onSignedIn }: { onSignedIn: (session: Session) => void 
         <Field label={t("signin.password")}><input name="password" type="password" autoComplete="current-password" required /></Field>
         <ErrorNote error={error} />
         <Button kind="primary" type="submit" busy={busy}>{t("signin.submit")}</Button>
+        {provider !== null && <a className="button plain" data-provider href="/api/v1/session/provider">{provider || t("signin.provider")}</a>}
       </form>
     </div>
   );

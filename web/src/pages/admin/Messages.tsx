@@ -25,7 +25,7 @@ export function Messages() {
       <ErrorNote error={error} />
       <Panel className="flush" title={t("rules.title")} extra={<Button small kind="primary" icon="plus" onClick={() => setOpen("new")}>{t("rules.add")}</Button>}>
         <table className="table">
-          <thead><tr><th>{t("users.name")}</th><th>{t("alarms.machine")}</th><th>{t("rules.code")}</th><th>{t("rules.to")}</th><th>{t("rules.escalation")}</th><th>{t("users.status")}</th><th /></tr></thead>
+          <thead><tr><th>{t("rules.name")}</th><th>{t("alarms.machine")}</th><th>{t("rules.code")}</th><th>{t("rules.to")}</th><th>{t("rules.escalation")}</th><th>{t("users.status")}</th><th /></tr></thead>
           <tbody>{(rules ?? []).map((rule) => (
             <tr key={rule.id} data-rule={rule.name} className={rule.enabled ? "" : "muted"}><td><b>{rule.name}</b></td><td>{place(rule)}</td><td className="mono">{rule.code || "*"}</td>
               <td className="grow">{[rule.email, rule.webhook].filter(Boolean).join(", ")}</td>
@@ -65,7 +65,7 @@ function EditRule({ rule, machines, groups, onClose, onDone }: { rule: Rule | nu
       <Button onClick={onClose}>{t("common.cancel")}</Button>
       <Button kind="primary" type="submit" form="rule-form" busy={busy}>{t("common.save")}</Button></>}>
       <form id="rule-form" className="form two" onSubmit={submit}>
-        <Field label={t("users.name")}><input name="name" required autoFocus maxLength={100} defaultValue={rule?.name ?? ""} /></Field>
+        <Field label={t("rules.name")}><input name="name" required autoFocus maxLength={100} defaultValue={rule?.name ?? ""} /></Field>
         <Field label={t("alarms.machine")}><select name="where" defaultValue={rule?.machine ? `m${rule.machine}` : rule?.group ? `g${rule.group}` : ""}>
           <option value="">{t("alarms.every_machine")}</option>
           {groups.map((group) => <option key={group.id} value={`g${group.id}`}>{group.name}</option>)}

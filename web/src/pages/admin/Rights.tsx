@@ -114,7 +114,7 @@ function EditGroup({ group, machines, onClose, onDone }: { group: Group | null; 
       <Button onClick={onClose}>{t("common.cancel")}</Button>
       <Button kind="primary" type="submit" form="group-form" busy={busy}>{t("common.save")}</Button></>}>
       <form id="group-form" className="form" onSubmit={submit}>
-        <Field label={t("users.name")}><input name="name" required defaultValue={group?.name ?? ""} maxLength={60} autoFocus /></Field>
+        <Field label={t("rules.name")}><input name="name" required defaultValue={group?.name ?? ""} maxLength={60} autoFocus /></Field>
         <div className="check-grid">{machines.map((machine) => (
           <label key={machine.id} className="check"><input type="checkbox" name="machine" value={machine.id} defaultChecked={group?.machines.includes(machine.id) ?? false} />{machine.name}</label>
         ))}</div>

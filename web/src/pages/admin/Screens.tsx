@@ -2,6 +2,7 @@
 import { useState, type FormEvent } from "react";
 import { useTranslation } from "react-i18next";
 import { get, list, patch, post, remove } from "../../api/client";
+import { roles, type Role } from "../../api/types";
 import { moment } from "../../format/time";
 import { useLoad } from "../../live/hooks";
 import { Button, Dialog, ErrorNote, Field, Note, Panel, toast, useAction } from "../../ui/parts";
@@ -20,7 +21,7 @@ export function Screens() {
       <Panel className="flush" title={t("screens.title")} extra={<Button small kind="primary" icon="plus" onClick={() => setAdding(true)}>{t("screens.add")}</Button>}>
         <p className="panel-text">{t("screens.explained")}</p>
         <table className="table">
-          <thead><tr><th>{t("users.name")}</th><th>{t("screens.by")}</th><th>{t("screens.created")}</th><th>{t("screens.last_used")}</th><th /></tr></thead>
+          <thead><tr><th>{t("rules.name")}</th><th>{t("screens.by")}</th><th>{t("screens.created")}</th><th>{t("screens.last_used")}</th><th /></tr></thead>
           <tbody>{(tokens ?? []).map((token) => (
             <tr key={token.id} data-screen={token.name}><td><b>{token.name}</b></td><td>{token.by}</td><td className="num">{moment(token.created)}</td>
               <td className="num">{token.last_used ? moment(token.last_used) : t("users.never")}</td>
@@ -31,6 +32,7 @@ export function Screens() {
         {tokens?.length === 0 && <div className="empty">{t("screens.none")}</div>}
       </Panel>
       <SignInPolicy />
+      <Provider />
       {adding && <AddScreen onClose={() => { setAdding(false); reload(); }} />}
     </>
   );
@@ -52,7 +54,7 @@ function AddScreen({ onClose }: { onClose: () => void }) {
       {made
         ? <><p>{t("screens.once")}</p><textarea className="mono" readOnly rows={4} value={made} data-screen-address onFocus={(event) => event.target.select()} /></>
         : <form id="screen-form" className="form" onSubmit={submit}>
-          <Field label={t("users.name")} hint={t("screens.name_hint")}><input name="name" required maxLength={60} autoFocus /></Field>
+          <Field label={t("rules.name")} hint={t("screens.name_hint")}><input name="name" required maxLength={60} autoFocus /></Field>
           <ErrorNote error={error} /></form>}
     </Dialog>
   );
@@ -80,6 +82,37 @@ function SignInPolicy() {
         <ErrorNote error={problem} />
       </form>
       <Note>{t("policy.lock")}</Note>
+    </Panel>
+  );
+}
+
+interface ProviderSettings { issuer: string; client_id: string; client_secret_set: boolean; label: string; create: boolean; role: Role }
+
+/// Signing in through an OpenID Connect provider, beside passwords.
+function Provider() {
+  const { t } = useTranslation();
+  const { value: provider, error, reload } = useLoad((signal) => get<ProviderSettings>("/settings/provider", signal), []);
+  const [problem, setProblem] = useState<unknown>(null);
+  if (!provider) return <ErrorNote error={error} />;
+  const submit = (event: FormEvent<HTMLFormElement>) => {
+    event.preventDefault();
+    const data = new FormData(event.currentTarget);
+    const text = (name: string) => String(data.get(name) ?? "").trim();
+    patch("/settings/provider", { issuer: text("issuer"), client_id: text("client_id"), client_secret: text("client_secret"), label: text("label"), role: text("role"), create: data.get("create") === "on" })
+      .then(() => { setProblem(null); toast("good", t("admin.saved")); reload(); }, setProblem);
+  };
+  return (
+    <Panel title={t("provider.title")} name="provider">
+      <form className="form two" onSubmit={submit}>
+        <Field label={t("provider.issuer")} hint={t("provider.issuer_hint")}><input name="issuer" placeholder="https://" defaultValue={provider.issuer} /></Field>
+        <Field label={t("provider.label")}><input name="label" defaultValue={provider.label} /></Field>
+        <Field label={t("provider.client_id")}><input name="client_id" autoComplete="off" defaultValue={provider.client_id} /></Field>
+        <Field label={t("provider.client_secret")} hint={provider.client_secret_set ? t("rules.kept") : ""}><input name="client_secret" type="password" autoComplete="new-password" /></Field>
+        <Field label={t("provider.role")}><select name="role" defaultValue={provider.role}>{roles.map((role) => <option key={role} value={role}>{t(`role.${role}`)}</option>)}</select></Field>
+        <label className="check"><input type="checkbox" name="create" defaultChecked={provider.create} />{t("provider.create")}</label>
+        <Button type="submit" kind="primary">{t("common.save")}</Button>
+        <ErrorNote error={problem} />
+      </form>
     </Panel>
   );
 }
