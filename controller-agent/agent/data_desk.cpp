@@ -104,6 +104,7 @@ void DataDesk::committed() {
     one.done({{"accepted", true},
               {"reason", ""},
               {"where", ""},
+              {"overtaken", stored.version > one.version},
               {"values", values_now(one.names, stored, axis_names_)}});
 }
 

@@ -97,7 +97,9 @@ class Values(ShopTest):
         agent = self.agent()
         for what, value in (("tool/201/wear/X", 0.1), ("tool/3/wear/Y", 0.1), ("tool/3/geometry/X", 20000),
                             ("tool/3/tip", 11), ("work/G54.1P1/X", 1), ("parameter/99999", 1), ("variable/300", 1)):
-            refusal = self.refused("value_refused", lambda: self.write(agent, what, value, before=0 if what[0] in "tw" else None))
+            before = 0 if what[0] in "tw" else None
+            refusal = self.refused("value_refused", lambda: self.setter.post(f"/machines/{agent.id}/values", {
+                "values": [{"what": what, "before": before, "after": value}]}))
             self.assertTrue(refusal.error["where"].startswith(what), refusal)
         refusal = self.refused("machine_refused", lambda: self.setter.post(f"/machines/{agent.id}/values", {
             "values": [{"what": "parameter/6713", "before": None, "after": 50}]}))

@@ -177,6 +177,8 @@ TEST_F(Values, DoneIsWhatWasReadBack) {
   EXPECT_EQ(send({{"accepted", true}, {"values", {{"tool/1/wear/X", 0.1}}}}).state, "done");
   const auto other = send({{"accepted", true}, {"values", {{"tool/1/wear/X", 0.2}}}});
   EXPECT_EQ(other.state + " " + other.reason, "failed read_back_differs");
+  EXPECT_EQ(send({{"accepted", true}, {"overtaken", true}, {"values", {{"tool/1/wear/X", 0.2}}}}).state, "done")
+      << "a later change was there before it was read";
   EXPECT_EQ(send({{"accepted", true}, {"values", json::object()}}).state, "failed")
       << "not read back is not done";
   const auto refused = send({{"accepted", false}, {"reason", "running"}, {"where", "tool/1/wear/X"}});
