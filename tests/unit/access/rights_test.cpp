@@ -36,6 +36,7 @@ class RightsTest : public testing::Test {
       machine.profile = "fanuc-0i-t";
       machines.push_back(db::insert_machine(*db, machine));
     }
+    keeper = add("boss", Role::administrator);
     user = add("li", Role::operator_);
   }
   std::int64_t add(const std::string& name, Role role) {
@@ -47,7 +48,7 @@ class RightsTest : public testing::Test {
   test::TemporaryFolder folder;
   std::unique_ptr<db::Database> db = test::open_shop(folder / "s.db");
   std::vector<std::int64_t> machines;
-  std::int64_t user = 0;
+  std::int64_t user = 0, keeper = 0;
 };
 
 TEST_F(RightsTest, WithoutGrantsTheRoleCounts) {
@@ -118,7 +119,7 @@ TEST_F(RightsTest, NonsenseIsRefusedAndNothingKept) {
 }
 
 TEST_F(RightsTest, SomebodyMustBeLeftWhoManagesUsers) {
-  user = add("boss", Role::administrator);
+  user = keeper;
   EXPECT_EQ(refused_with([&] { grant({{0, user, 0, 0, "", "manage_users", false}}); }), "last_administrator");
   add("second", Role::administrator);
   EXPECT_NO_THROW(grant({{0, user, 0, 0, "", "manage_users", false}}));

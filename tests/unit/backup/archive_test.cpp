@@ -120,7 +120,8 @@ struct ServerBackupTest : testing::Test {
     const auto id = db::insert_machine(db, machine);
     db.execute("INSERT INTO tool_life (machine_id, tool, unit, used, life, at_ms) VALUES (?, 'T1', 'min', ?, 5, 1)", {id, 1.0 / 3.0});
     for (int i = 0; i < 3; ++i) db::append_audit(db, {0, i, "li", "", "a", "s", "{}", "", ""});
-    auto writer = db::Blobs(folder.path()).begin();
+    const db::Blobs blobs(folder.path());
+    auto writer = blobs.begin();
     writer.append("O1\nM30\n");
     sha256 = writer.finish();
     db.execute("INSERT INTO blobs (sha256, bytes, lines, longest_line, encoding, line_ends, nul_bytes, has_percent, created_ms) "
