@@ -117,6 +117,8 @@ bool Executor::surface_allows() {
     const GCode* row = table->find(block.g[i].tenths);
     bool fits = false;
     for (const std::int16_t code_allowed : kAllowed) fits = fits || code_allowed == block.g[i].tenths;
+    const bool plane_code = block.g[i].tenths >= 170 && block.g[i].tenths <= 190;
+    fits = fits || (plane_code && !polar_mode && dialect.modes.free_surfaces);
     if (fits && row->tenths > kOnlySettings && row->tenths < 1000) fits = row->phase == Phase::setting;
     if (!fits) return alarm(reason, block.g[i], 'G');
   }
