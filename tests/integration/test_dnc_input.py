@@ -82,7 +82,14 @@ class DncInput(unittest.TestCase):
 
     def run_to_its_end(self, machine, place, parts=1):
         machine.panel("start")
-        machine.until(lambda s: s["parts"]["count"] == parts, "the program was executed", 4 * PATIENCE_S)
+
+        def executed(status):
+            # Its clock is faster than any line: whenever the data run out it holds, and a person goes on.
+            if status["state"] == "hold" and status["dnc"]["buffered"] > 0:
+                machine.panel("start")
+            return status["parts"]["count"] == parts
+
+        machine.until(executed, "the program was executed", 4 * PATIENCE_S)
         machine.stands_at(place)
         return machine.until(lambda s: s["dnc"]["state"] == "ready", "drained, and ready for the next")["dnc"]["last"]
 
@@ -90,7 +97,7 @@ class DncInput(unittest.TestCase):
         near, far = self.crossed()
         machine = Machine(self, f"{near},line=115200-8-N-1-software,code=iso")
         machine.on()
-        for turn, blocks in ((1, 1500), (2, 701)):
+        for turn, blocks in ((1, 400), (2, 201)):
             text, place = zigzag(blocks)
             log = os.path.join(machine.folder, f"sender-{turn}.log")
             sender = Process([program("headstock"), "dnc", "send", "--port", far, "--line", "115200-8-N-1-software",
