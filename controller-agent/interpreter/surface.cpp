@@ -124,6 +124,9 @@ bool Executor::surface_allows() {
   }
   if (block.has('T') && !switches.lenient) return alarm(reason, block['T'].column, "T");
   const bool moves = action == nullptr && (block.words & axis_letters) != 0;
+  bool plane_follows = false;  // the block itself chooses the arc's plane
+  for (std::size_t i = 0; i < block.g_count; ++i)
+    plane_follows = plane_follows || (block.g[i].tenths >= 170 && block.g[i].tenths <= 190);
   if (moves && motion_code->tenths != 10 && motion_code->tenths != 20 && motion_code->tenths != 30)
     return alarm(reason, 0, std::string(motion_code->name));
   if (!polar_mode && moves &&
@@ -134,7 +137,7 @@ bool Executor::surface_allows() {
       return alarm(reason, block[letter].column, std::string(1, letter));
     }
     const auto rotary = static_cast<int>(surface.now.rotary);
-    if (plane_index.first != rotary && plane_index.second != rotary)
+    if (!plane_follows && plane_index.first != rotary && plane_index.second != rotary)
       return alarm(AlarmReason::cylinder_axis, 0, std::string(1, axes[surface.now.rotary].name));
   }
   return true;
