@@ -117,11 +117,16 @@ bool Executor::surface_allows() {
     const GCode* row = table->find(block.g[i].tenths);
     bool fits = false;
     for (const std::int16_t code_allowed : kAllowed) fits = fits || code_allowed == block.g[i].tenths;
+    const bool plane_code = block.g[i].tenths >= 170 && block.g[i].tenths <= 190;
+    fits = fits || (plane_code && !polar_mode && dialect.modes.free_surfaces);
     if (fits && row->tenths > kOnlySettings && row->tenths < 1000) fits = row->phase == Phase::setting;
     if (!fits) return alarm(reason, block.g[i], 'G');
   }
   if (block.has('T') && !switches.lenient) return alarm(reason, block['T'].column, "T");
   const bool moves = action == nullptr && (block.words & axis_letters) != 0;
+  bool plane_follows = false;  // the block itself chooses the arc's plane
+  for (std::size_t i = 0; i < block.g_count; ++i)
+    plane_follows = plane_follows || (block.g[i].tenths >= 170 && block.g[i].tenths <= 190);
   if (moves && motion_code->tenths != 10 && motion_code->tenths != 20 && motion_code->tenths != 30)
     return alarm(reason, 0, std::string(motion_code->name));
   if (!polar_mode && moves &&
@@ -132,7 +137,7 @@ bool Executor::surface_allows() {
       return alarm(reason, block[letter].column, std::string(1, letter));
     }
     const auto rotary = static_cast<int>(surface.now.rotary);
-    if (plane_index.first != rotary && plane_index.second != rotary)
+    if (!plane_follows && plane_index.first != rotary && plane_index.second != rotary)
       return alarm(AlarmReason::cylinder_axis, 0, std::string(1, axes[surface.now.rotary].name));
   }
   return true;

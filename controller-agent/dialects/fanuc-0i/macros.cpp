@@ -213,6 +213,7 @@ void add_fanuc_macros(Dialect& d) {
            {R::macro_word_unknown, "PS0199"},  {R::call_in_hole_cycle, "PS5329"},  {R::external_twice, "PS1080"}}) {
     d.set_alarm_code(reason, code);
   }
+  if (!d.tools.lathe) d.set_alarm_code(R::interrupted_cycle, "PS1101");  // PS0324 is the T series'
 }
 
 }  // namespace headstock::dialects

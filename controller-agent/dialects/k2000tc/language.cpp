@@ -54,6 +54,7 @@ Language::Level& Language::level(Executor& ex) {
 }
 
 void Language::power_on(Executor& ex) {
+  if (!ex.frames.empty()) return;  // an interruption begins with these codes, not with an empty memory
   levels_.clear();
   auto& stored = ex.data.common_variables;
   for (auto it = stored.begin(); it != stored.end();) it = it->first < 500 ? stored.erase(it) : std::next(it);

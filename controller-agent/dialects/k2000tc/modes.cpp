@@ -113,7 +113,8 @@ bool polar_interpolation_on(Executor& ex) {
 }
 
 bool polar_interpolation_off(Executor& ex) {
-  return stands_alone(ex, 0, "PS0009") && interp::handlers::polar_interpolation_off(ex);
+  const bool by_itself = ex.block.g_count == 0;  // a power-on code
+  return (by_itself || stands_alone(ex, 0, "PS0009")) && interp::handlers::polar_interpolation_off(ex);
 }
 
 // G07.2 Pij NF NP: the spindle, as rotary axis j, follows linear axis i by lead NF; alone it ends (L4129).

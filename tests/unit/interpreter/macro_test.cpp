@@ -213,6 +213,8 @@ TEST(Macro, TheK2000RepeatsTheBlockThatWasBrokenInto) {
   const auto next_motion = [&bench] {  // the power-on codes may say something to the spindle between
     while (bench.next() == Pull::operation) {
       if (motion(bench.operation) != nullptr) return true;
+      if (const auto* alarm = std::get_if<Alarm>(&bench.operation))
+        ADD_FAILURE() << alarm->code << " line " << alarm->at.line << " of O" << alarm->at.program << ' ' << alarm->detail;
     }
     return false;
   };
