@@ -27,7 +27,7 @@ PunchedDataRow data_of(const Row& row) {
           row.text(6),    row.integer(7), row.text(8),    row.integer(9), row.integer(10)};
 }
 
-Value maybe(std::int64_t id) {
+Value maybe_id(std::int64_t id) {
   return id == 0 ? Value(nullptr) : Value(id);
 }
 
@@ -44,7 +44,7 @@ std::int64_t insert_plan(Database& db, const PlanRow& row) {
 
 void update_plan(Database& db, const PlanRow& row) {
   db.execute("UPDATE port_plans SET state = ?, reason = ?, transfer_id = ?, ended_ms = ? WHERE id = ?",
-             {row.state, row.reason, maybe(row.transfer), row.ended_ms, row.id});
+             {row.state, row.reason, maybe_id(row.transfer), row.ended_ms, row.id});
 }
 
 std::optional<PlanRow> plan(Database& db, std::int64_t id) {
@@ -73,7 +73,7 @@ std::int64_t insert_punched_data(Database& db, const PunchedDataRow& row) {
       "INSERT INTO punched_data (received_id, port_id, machine_id, kind, name, sha256, entries, by_user, "
       "punched_ms, "
       "accepted_ms) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING id",
-      {row.received, row.port, maybe(row.machine), row.kind, row.name, row.sha256, row.entries, row.by,
+      {row.received, row.port, maybe_id(row.machine), row.kind, row.name, row.sha256, row.entries, row.by,
        row.punched_ms, row.accepted_ms});
 }
 

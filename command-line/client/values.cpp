@@ -18,7 +18,7 @@ struct ValueFields {
   std::int64_t id = 0, snapshot = 0;
   bool yes = false;
 };
-using Fields = std::shared_ptr<ValueFields>;
+using SharedValueFields = std::shared_ptr<ValueFields>;
 
 std::string machine_path(Connection& server, const std::string& machine) {
   return "/machines/" + find_machine(server, machine).at("id").dump();

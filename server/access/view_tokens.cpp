@@ -8,7 +8,7 @@ namespace headstock::access {
 namespace {
 
 /// "Last used" is for finding forgotten ones; a write with every look would be waste.
-constexpr std::int64_t kTouchMs = 60'000;
+constexpr std::int64_t kTouchScreenMs = 60'000;
 
 }  // namespace
 
@@ -38,7 +38,7 @@ std::optional<db::ViewTokenRow> find_view_token(db::Database& db, const std::str
   if (token.size() != 64) return std::nullopt;
   auto row = db::view_token(db, db::sha256_hex(token));
   if (!row || (row->expires_ms && *row->expires_ms <= now_ms)) return std::nullopt;
-  if (row->last_used_ms.value_or(0) + kTouchMs < now_ms) db::touch_view_token(db, row->id, now_ms);
+  if (row->last_used_ms.value_or(0) + kTouchScreenMs < now_ms) db::touch_view_token(db, row->id, now_ms);
   return row;
 }
 

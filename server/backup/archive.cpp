@@ -78,7 +78,10 @@ void each(const fs::path& file, const std::function<void(Entry&)>& visit) {
     archive_entry* entry = nullptr;
     const int result = archive_read_next_header(reading.get(), &entry);
     if (result == ARCHIVE_EOF) return;
-    if (result != ARCHIVE_OK) throw db::Refusal(first ? "not_a_backup" : "damaged_backup", file.filename().string());
+    // A backup cut off in its first piece is still known by how it is packed.
+    const bool packed = archive_filter_code(reading.get(), 0) == ARCHIVE_FILTER_ZSTD;
+    if (result != ARCHIVE_OK)
+      throw db::Refusal(first && !packed ? "not_a_backup" : "damaged_backup", file.filename().string());
     first = false;
     ArchiveEntry found(reading.get(), entry);
     visit(found);

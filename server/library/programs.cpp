@@ -182,7 +182,7 @@ void remove_folder(db::Database& db, const Actor& actor, const std::string& path
   const bool has_programs =
       db.integer("SELECT 1 FROM programs WHERE folder_id = ? AND removed_ms IS NULL LIMIT 1", {*id})
           .has_value();
-  const bool has_folders = db.integer("SELECT 1 FROM folders WHERE substr(path, 1, ?) = ? LIMIT 1",
+  const bool has_folders = db.integer("SELECT 1 FROM folders WHERE substr(path, 1, CAST(? AS INTEGER)) = ? LIMIT 1",
                                       {folder.size() + 1, folder + "/"})
                                .has_value();
   if (has_programs || has_folders) throw db::Refusal("not_empty", folder);
