@@ -8,7 +8,6 @@ namespace headstock::macro {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kMostInteger = 9.2e18;
 
 // Exact at the multiples of 90°, where programs compare.
 double sine(double degrees) {

@@ -129,6 +129,7 @@ struct Controller::Impl {
   void take(const interp::Operation& taken);
   void post(Await what, Interlude interlude);
   void interlude_done();
+  void count_due_part();
   void data_ran_out();
   void end_program();
   void finish_run(const char* outcome);
@@ -219,6 +220,7 @@ struct Controller::Impl {
   Await await = Await::nothing;
   interp::Operation operation;  // pulled, not yet taken up
   bool has_operation = false;
+  int parts_due = 0;  // 1 a part, -1 the count to 0, when the M code that waits is done
   bool new_block = false;             // the operation taken up begins a block
   bool calculating = false;           // a macro goes on with its calculation as soon as others had the lock
   interp::SourcePosition last_block;  // of the last operation taken up; line 0: none

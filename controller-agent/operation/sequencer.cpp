@@ -187,6 +187,8 @@ void Controller::Impl::take(const interp::Operation& taken) {
     request.offset = tool->offset;
     post(Await::function, function(request));
   } else if (const auto* m = std::get_if<interp::MCode>(&taken)) {
+    parts_due = m->clears_parts ? -1 : m->counts_part ? 1 : 0;
+    if (m->clears_parts) return post(Await::standstill, {});
     if (m->input != 0 || m->at_axis >= 0 || m->delay_s != 0) {
       std::string detail(1, 'M');
       detail += std::to_string(m->code);
@@ -264,12 +266,24 @@ void Controller::Impl::post(Await what, Interlude interlude) {
   realtime.post(interlude);
 }
 
+// The M code that counts parts, or clears the count, has been carried out.
+void Controller::Impl::count_due_part() {
+  const int due = std::exchange(parts_due, 0);
+  if (due < 0) retained.parts = 0;
+  if (due <= 0) return;
+  ++retained.parts;
+  ++retained.parts_total;
+  emit(PartCounted{retained.parts, retained.parts_total, selection.name, selection.revision_hash, last_cycle_s});
+}
+
 void Controller::Impl::interlude_done() {
   switch (std::exchange(await, Await::nothing)) {
-    case Await::nothing:
     case Await::function:
-    case Await::dwell:
     case Await::standstill:
+      count_due_part();
+      return;
+    case Await::nothing:
+    case Await::dwell:
     case Await::commit:
     case Await::park:
       return;
@@ -376,6 +390,7 @@ void Controller::Impl::after_abort() {
   retracing = false;
   end_retrace();
   await = Await::nothing;
+  parts_due = 0;
   has_operation = false;
   last_block = {};
   phase = Phase::idle;

@@ -52,6 +52,22 @@ TEST(Cycle, TenPartsCountTen) {
   EXPECT_EQ(bench.controller.live().parts, 10u);
 }
 
+// M901 of 200T: the count begins anew where the machine has come so far (L4689).
+TEST(Cycle, AnMCodeClearsTheCount) {
+  Bench bench("lathe-200t");
+  bench.load("G00 X1\nM02\n");
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(bench.start());
+    ASSERT_TRUE(bench.until_state(State::idle));
+  }
+  EXPECT_EQ(bench.controller.live().parts, 3u);
+  bench.load("G00 X2\nM901\nG00 X1\nM02\n");
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until([&] { return bench.controller.retained().parts == 0; }));
+  ASSERT_TRUE(bench.until_state(State::idle));
+  EXPECT_EQ(bench.controller.live().parts, 1u);
+}
+
 TEST(Cycle, ResetWhileTheCountIsBeingWrittenKeepsTheOneCount) {
   Bench bench;
   bench.load(kPart);
