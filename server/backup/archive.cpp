@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -41,12 +42,22 @@ struct Read {
 };
 using Reading = std::unique_ptr<archive, Read>;
 
+/// A backup that was cut off is still known by how it begins: the mark of Zstandard (RFC 8878, 3.1.1).
+bool is_packed(const fs::path& file) {
+  std::array<char, 4> head{};
+  std::ifstream(file, std::ios::binary).read(head.data(), head.size());
+  return head == std::array<char, 4>{'\x28', '\xB5', '\x2F', '\xFD'};
+}
+
 Reading open(const fs::path& file) {
   Reading reading(archive_read_new());
   archive_read_support_filter_zstd(reading.get());
   archive_read_support_format_tar(reading.get());
   if (archive_read_open_filename(reading.get(), file.c_str(), kPiece) != ARCHIVE_OK)
-    throw db::Refusal(fs::exists(file) ? "not_a_backup" : "not_found", file.filename().string());
+    throw db::Refusal(!fs::exists(file)    ? "not_found"
+                      : is_packed(file) ? "damaged_backup"
+                                        : "not_a_backup",
+                      file.filename().string());
   return reading;
 }
 
@@ -78,10 +89,8 @@ void each(const fs::path& file, const std::function<void(Entry&)>& visit) {
     archive_entry* entry = nullptr;
     const int result = archive_read_next_header(reading.get(), &entry);
     if (result == ARCHIVE_EOF) return;
-    // A backup cut off in its first piece is still known by how it is packed.
-    const bool packed = archive_filter_code(reading.get(), 0) == ARCHIVE_FILTER_ZSTD;
     if (result != ARCHIVE_OK)
-      throw db::Refusal(first && !packed ? "not_a_backup" : "damaged_backup", file.filename().string());
+      throw db::Refusal(first && !is_packed(file) ? "not_a_backup" : "damaged_backup", file.filename().string());
     first = false;
     ArchiveEntry found(reading.get(), entry);
     visit(found);
