@@ -17,7 +17,7 @@ if(HEADSTOCK_SANITIZE)
   target_compile_options(headstock_options INTERFACE -fsanitize=${HEADSTOCK_SANITIZE} -fno-sanitize-recover=all -O1)
   target_link_options(headstock_options INTERFACE -fsanitize=${HEADSTOCK_SANITIZE})
   # GCC 12 warns falsely inside standard headers when sanitizers change inlining.
-  target_compile_options(headstock_options INTERFACE -Wno-maybe-uninitialized -Wno-stringop-overflow)
+  target_compile_options(headstock_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized> $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
   if(HEADSTOCK_SANITIZE MATCHES "thread")
     # Asio has a fence in it that the thread sanitizer does not model; GCC 12 says so at every include.
     target_compile_options(headstock_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>)

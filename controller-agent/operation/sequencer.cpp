@@ -148,6 +148,7 @@ void Controller::Impl::pull_operations() {
 void Controller::Impl::take(const interp::Operation& taken) {
   if (const auto refused = unsupported_alarm(taken, machine, skip_input))
     return stop_with(*refused, position_of(taken), {});
+  if (interpreter.interruption_enabled()) return stop_with(interruption_alarm(), position_of(taken), "M96");
   if (const auto* tap = std::get_if<interp::Tap>(&taken)) return take_tap(*tap);
   if (is_motion(taken)) {
     if (const auto refused = before_motion(taken)) return stop_with(*refused, position_of(taken), {});

@@ -33,4 +33,8 @@ std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation
   return std::nullopt;
 }
 
+MachineAlarm interruption_alarm() {
+  return {"HS0002", "Interruption macro (M96): this machine has no interruption signal", "中断宏程序 (M96)：本机没有中断信号"};
+}
+
 }  // namespace headstock::operation

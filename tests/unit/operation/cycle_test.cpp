@@ -12,6 +12,18 @@ const char* const kPart =
     "O1\nG21 G90 G94 G17\nG00 X10. Y10. Z-5.\nM03 S1000\nG01 X50. F1000.\nG02 X60. Y20. I0. J10.\nG01 Y50.\n"
     "G04 P500\nM08\nG01 X10. Y10.\nM09\nM05\nM30\n%\n";
 
+// Nothing could break in: better no motion than a program that waits for a signal which cannot come.
+TEST(Interruption, IsRefusedBeforeAnythingMoves) {
+  Bench bench;
+  bench.programs->texts["O13"] = "O13\nG01 Z1. F50\nM99\n";
+  bench.load("G90 G0\nM96 P13\nX1.\nM97\nM30\n");
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until_state(State::alarm));
+  EXPECT_EQ(bench.controller.sample().position[0], 0);
+  ASSERT_FALSE(bench.controller.live().alarms.empty());
+  EXPECT_EQ(bench.controller.live().alarms[0].code, "HS0002");
+}
+
 TEST(Cycle, APartIsCountedOnceAndOnlyWhenItIsOnDisk) {
   Bench bench;
   bench.load(kPart);
