@@ -55,7 +55,7 @@ describe("machine data", { skip: !built() && "not built" }, () => {
     await write_is_done();
     assert.equal(await value("tool/1/wear/X"), 0.02);
     assert.equal(await value("tool/2/wear/X"), 0.015);
-    assert.equal((await cell("tool/1/wear/X").textContent()).trim(), "0.02");
+    await until("shown", async () => (await cell("tool/1/wear/X").textContent()).trim() === "0.02");
   });
 
   it("finds one of the 200 and shows only what is set", async () => {
@@ -119,7 +119,7 @@ describe("machine data", { skip: !built() && "not built" }, () => {
     assert.ok(await page.locator("[data-action=write]").isDisabled());
     await shoot("data-clash");
     await page.locator("[data-action=discard]").click();
-    assert.equal((await cell("tool/3/wear/Z").textContent()).trim(), "0.01");
+    await until("shown", async () => (await cell("tool/3/wear/Z").textContent()).trim() === "0.01");
   });
 
   it("tells the next tool change, and who changed what", async () => {
