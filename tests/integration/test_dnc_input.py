@@ -221,7 +221,8 @@ class DncInput(unittest.TestCase):
         machine.panel("start")
         again.sendall(data[at:at + 1000])
         machine.until(lambda s: s["state"] == "alarm", "the alarm")
-        self.assertEqual(machine.codes(), ["HS0041"])
+        # PS0086: the end of the first connection is heard of only now. Either way nothing moves.
+        self.assertIn(machine.codes(), (["HS0041"], ["PS0086"]))
         self.assertEqual(machine.status()["absolute"], place)
 
     def test_rules_of_a_program_that_is_fed(self):
