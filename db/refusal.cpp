@@ -13,13 +13,16 @@ constexpr RefusalText kTexts[] = {
     {"locked_out", too_many, "Too many wrong passwords. Try again later.", "密码错误次数过多，请稍后再试。"},
     {"must_change_password", forbidden, "Choose your own password first.", "请先设置自己的密码。"},
     {"look_only", forbidden, "This sign-in may only look.", "该登录只能查看。"},
-    {"damaged_backup", invalid, "The backup is damaged; nothing was restored.", "备份已损坏，未恢复任何内容。"},
-    {"not_a_backup", invalid, "This file is no backup of the kind that is wanted here.", "该文件不是此处所需的备份。"},
-    {"newer_backup", conflict, "The backup was made by a newer Headstock.", "该备份由更新版本的 Headstock 制作。"},
-    {"other_profile", conflict, "The backup is of a machine with another controller.", "该备份来自另一种控制器的机床。"},
+    {"damaged_backup", invalid, "The backup is damaged; nothing was restored.",
+     "备份已损坏，未恢复任何内容。"},
+    {"not_a_backup", invalid, "This file is no backup of the kind that is wanted here.",
+     "该文件不是此处所需的备份。"},
+    {"newer_backup", conflict, "The backup was made by a newer Headstock.",
+     "该备份由更新版本的 Headstock 制作。"},
     {"backup_running", conflict, "A backup is being made.", "正在备份。"},
     {"provider_failed", unauthenticated, "The sign-in provider could not be used.", "无法使用登录服务。"},
-    {"unknown_person", unauthenticated, "Nobody here belongs to this sign-in. Ask an administrator.", "此登录未对应任何用户，请联系管理员。"},
+    {"unknown_person", unauthenticated, "Nobody here belongs to this sign-in. Ask an administrator.",
+     "此登录未对应任何用户，请联系管理员。"},
     {"in_use", conflict, "Something else still uses this.", "该项仍在被使用。"},
     {"common_password", invalid, "This password is too easy to guess.", "该密码过于简单，容易被猜到。"},
     {"forbidden", forbidden, "Your role may not do this.", "您的权限不允许此操作。"},
@@ -63,7 +66,8 @@ constexpr RefusalText kTexts[] = {
     {"nothing_under_way", conflict, "Nothing is under way on this port.", "该端口没有正在进行的传输。"},
     {"header_missing", invalid, "A start in the middle needs a header that somebody has read.",
      "从中间开始需要经人工确认的程序头。"},
-    {"no_machine", conflict, "No machine is named for this port: nobody knows how its control reads the program.",
+    {"no_machine", conflict,
+     "No machine is named for this port: nobody knows how its control reads the program.",
      "该端口未指定机床，无法得知其系统如何解读程序。"},
     {"no_code", conflict, "The program has a character that the port's tape code lacks.",
      "程序中有该端口代码表没有的字符。"},
@@ -79,7 +83,8 @@ constexpr RefusalText kTexts[] = {
      "该行处于固定循环中，请选择循环以外的行。"},
     {"restart_mode", conflict, "A mode is on at this line that plain blocks cannot bring back.",
      "该行处于普通程序段无法恢复的模态中。"},
-    {"restart_variables", conflict, "The program uses variables from this line on; their values would be missing.",
+    {"restart_variables", conflict,
+     "The program uses variables from this line on; their values would be missing.",
      "该行之后使用了变量，其值将缺失。"},
     {"changed_meanwhile", conflict, "This value has changed meanwhile. Look at it and try again.",
      "该数值已被更改，请查看后重试。"},
@@ -88,15 +93,25 @@ constexpr RefusalText kTexts[] = {
     {"no_values", invalid, "There is nothing to change.", "没有需要更改的数值。"},
     {"machine_not_read", conflict, "This machine has never told what it has in its pages.",
      "该机床尚未上报其数据。"},
-    {"other_profile", conflict, "This file is of another controller.", "该文件属于其他系统。"},
+    {"other_profile", conflict, "This is of a machine with another controller.",
+     "这份数据来自另一种控制器的机床。"},
     {"other_unit", conflict, "This file is in another unit.", "该文件的单位不同。"},
     {"bad_sheet", invalid, "This is no table of values.", "无法识别为数据表。"},
-    {"tool_life_short", conflict, "The tools left do not last for this run.", "剩余刀具寿命不足以完成本次运行。"},
+    {"tool_life_short", conflict, "The tools left do not last for this run.",
+     "剩余刀具寿命不足以完成本次运行。"},
     {"disk_full", unavailable, "The server's disk is full; nothing was changed.",
      "服务器磁盘已满，未作任何更改。"},
     {"damaged_content", unavailable, "The stored file is damaged.", "存储的文件已损坏。"},
     {"cancelled", unavailable, "Cancelled.", "已取消。"},
 };
+
+constexpr bool every_code_once() {
+  for (std::size_t i = 0; i < std::size(kTexts); ++i)
+    for (std::size_t j = i + 1; j < std::size(kTexts); ++j)
+      if (kTexts[i].code == kTexts[j].code) return false;
+  return true;
+}
+static_assert(every_code_once(), "a second text for a code would never be read");
 
 }  // namespace
 

@@ -78,6 +78,8 @@ struct DncInput::Impl final : serial::PortListener, std::enable_shared_from_this
   State state = State::off;
   bool open = false;
   std::string reason;
+  std::string failed_because;      ///< what the interpreter was told to be the end; the reader forgets it
+  std::uint64_t failed_offer = 0;  ///< and of which offer
   std::uint64_t taken = 0;
   wire::Sha256 digest;
   Status last;
@@ -333,6 +335,8 @@ class DncSource final : public program::Source {
         tell = true;
       } else if (input.reader.state() == serial::Reader::State::failed) {
         result.status = ReadStatus::failed;
+        input.failed_because = input.reader.reason();
+        input.failed_offer = offered_;
       } else if (input.reader.state() == serial::Reader::State::ended) {
         result.status = ReadStatus::end;
       }
@@ -351,11 +355,12 @@ class DncSource final : public program::Source {
 
 operation::CommandResult DncInput::Impl::offer_stream() {
   const std::uint64_t offered = ++offers;
-  const auto why = [weak = weak_from_this()]() -> std::string {
+  // Asked when the blocks before the fault have been executed: the line may be closed by then.
+  const auto why = [weak = weak_from_this(), offered]() -> std::string {
     const auto self = weak.lock();
     if (!self) return "disconnected";
     const std::scoped_lock lock(self->mutex);
-    return self->reader.state() == serial::Reader::State::failed ? self->reader.reason() : "disconnected";
+    return self->failed_offer == offered ? self->failed_because : "disconnected";
   };
   auto result = offer(std::make_unique<DncSource>(shared_from_this(), offered), why);
   if (!result.accepted) ++offers;  // the stream that was not taken has nothing to say

@@ -278,6 +278,7 @@ CommandResult Controller::Impl::resume() {
   clear_alarms(true);
   anything_moved = false;
   wait_since_period = 0;
+  brought_to_end = false;
   message.clear();
   resume_with_go = resume_with_go || phase == Phase::stopped;
   if (retrace.active() && !retrace.at_hold()) {
@@ -331,6 +332,7 @@ CommandResult Controller::Impl::start_run(Selection& chosen) {
   has_operation = anything_moved = false;
   last_block = {};
   main_offset = wait_since_period = 0;
+  brought_to_end = false;
   run_periods_base = realtime.state().run_periods;
   cutting_periods_base = realtime.state().cutting_periods;
   phase = Phase::running;

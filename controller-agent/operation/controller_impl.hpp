@@ -233,6 +233,7 @@ struct Controller::Impl {
   interp::End end;
   bool anything_moved = false;          // in this run, or since data last came
   std::uint64_t wait_since_period = 0;  // first period without data, 0: data are there
+  bool brought_to_end = false;          // without data: the last block received has been planned to its end
   bool planned = true;                  // the kernel has planned everything pushed
   std::uint64_t commit_event = 0;       // number of the part's event that must be committed
   std::uint64_t run_periods_base = 0, cutting_periods_base = 0;

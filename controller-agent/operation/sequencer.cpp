@@ -128,6 +128,7 @@ void Controller::Impl::pull_operations() {
       }
       has_operation = true;
       wait_since_period = 0;
+      brought_to_end = false;
       if (observer) observer(operation);
     }
     const interp::SourcePosition& at = position_of(operation);
@@ -274,7 +275,8 @@ void Controller::Impl::count_due_part() {
   if (due <= 0) return;
   ++retained.parts;
   ++retained.parts_total;
-  emit(PartCounted{retained.parts, retained.parts_total, selection.name, selection.revision_hash, last_cycle_s});
+  emit(PartCounted{retained.parts, retained.parts_total, selection.name, selection.revision_hash,
+                   last_cycle_s});
 }
 
 void Controller::Impl::interlude_done() {
@@ -328,6 +330,14 @@ void Controller::Impl::data_ran_out() {
   // Two periods: the sample must have been made after the last data were planned.
   const bool ran_out = all_traced && now.periods > wait_since_period + 1;
   if (!ran_out || ((!anything_moved || programs.awaited()) && waited_s < kFirstDataWithin_s)) return;
+  if (sample.starved && !brought_to_end) {
+    // The look-ahead keeps the last corner open for the block behind it: what came whole is executed to its
+    // end.
+    brought_to_end = true;
+    feed.finish();
+    planned = false;
+    return;
+  }
   realtime.hold = true;
   ++run_record.holds;
   const MachineAlarm text = starved_message();

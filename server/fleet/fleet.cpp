@@ -292,6 +292,11 @@ void Fleet::connected(std::int64_t machine, const json& hello) {
   entry->connected = true;
   entry->heard_ms = now;
   entry->first_live = true;
+  // Switched on again: if it is cut off before its first picture, nobody may read "off" from before.
+  if (text_of(entry->live, "state") == "off") {
+    entry->live["state"] = "unknown";
+    impl_->save(*entry, now);
+  }
   entry->same_boot = !boot.empty() && boot == entry->machine.boot_id;
   entry->machine.boot_id = boot;
   entry->machine.software = text_of(hello, "software");

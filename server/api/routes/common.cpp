@@ -19,6 +19,13 @@ std::vector<Query> with(std::vector<Query> first, const std::vector<Query>& more
   return first;
 }
 
+std::vector<Route> joined(Services& services, std::initializer_list<RoutePart> parts) {
+  std::vector<Route> routes;
+  for (const RoutePart part : parts)
+    for (Route& route : part(services)) routes.push_back(std::move(route));
+  return routes;
+}
+
 Need needs(access::Action action) { return {role_from(access::to_string(access::required(action))), action}; }
 
 access::Actor actor_of(const Call& call) {

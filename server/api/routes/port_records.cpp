@@ -203,10 +203,7 @@ std::vector<Route> residents(Services& s) {
 }  // namespace
 
 std::vector<Route> port_record_routes(Services& s) {
-  auto routes = certificates(s);
-  for (auto& route : plans(s)) routes.push_back(std::move(route));
-  for (auto& route : residents(s)) routes.push_back(std::move(route));
-  return routes;
+  return joined(s, {certificates, plans, residents});
 }
 
 }  // namespace headstock::api

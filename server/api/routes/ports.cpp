@@ -340,10 +340,7 @@ std::vector<Route> receiving(Services& s) {
 }  // namespace
 
 std::vector<Route> port_routes(Services& s) {
-  auto routes = records(s);
-  for (auto& route : sending(s)) routes.push_back(std::move(route));
-  for (auto& route : receiving(s)) routes.push_back(std::move(route));
-  return routes;
+  return joined(s, {records, sending, receiving});
 }
 
 }  // namespace headstock::api

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -58,5 +59,8 @@ Reply machine_refusal(const std::string& reason);
 extern const std::vector<Query> paging;
 extern const std::vector<Query> period;
 std::vector<Query> with(std::vector<Query> first, const std::vector<Query>& more);
+/// The rows of several parts of one subject.
+using RoutePart = std::vector<Route> (*)(Services&);
+std::vector<Route> joined(Services& services, std::initializer_list<RoutePart> parts);
 
 }  // namespace headstock::api

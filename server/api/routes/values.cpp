@@ -355,10 +355,7 @@ std::vector<Route> ruling(Services& s) {
 }  // namespace
 
 std::vector<Route> value_routes(Services& s) {
-  std::vector<Route> routes = reading(s);
-  for (auto part : {writing, ruling})
-    for (Route& route : part(s)) routes.push_back(std::move(route));
-  return routes;
+  return joined(s, {reading, writing, ruling});
 }
 
 }  // namespace headstock::api

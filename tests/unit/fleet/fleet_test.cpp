@@ -102,6 +102,20 @@ TEST_F(FleetTest, UnknownUntilHeardAndAfterSilence) {
   EXPECT_EQ(interval(), "unknown");
 }
 
+TEST_F(FleetTest, CutOffBeforeItsFirstPictureIsUnknownEvenIfItWasOffBefore) {
+  fleet->connected(machine, {{"boot_id", "b1"}});
+  fleet->live(machine, {{"state", "idle"}, {"mode", "memory"}});
+  fleet->disconnected(machine, "shutdown");
+  EXPECT_EQ(fleet->live_of(machine)["state"], "off");
+  fleet->connected(machine, {{"boot_id", "b2"}});
+  EXPECT_EQ(fleet->live_of(machine)["state"], "unknown");
+  fleet->disconnected(machine, "timeout");
+  EXPECT_EQ(fleet->live_of(machine)["state"], "unknown");
+  EXPECT_EQ(interval(), "unknown");
+  start();
+  EXPECT_EQ(fleet->live_of(machine)["state"], "unknown");
+}
+
 TEST_F(FleetTest, AServerRestartKnowsNothingButKeepsWhatWasSeen) {
   fleet->connected(machine, {{"boot_id", "b1"}});
   fleet->live(machine, {{"state", "running"}, {"mode", "memory"}, {"line", 12}});
