@@ -27,11 +27,16 @@ if(HEADSTOCK_FUZZ)
   target_compile_options(headstock_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# Several sources in one run of the compiler: their headers are read once. headstock_together(TARGET…) names the targets
-# whose sources may stand in one file, that is, whose file-local names do not clash.
+# Several sources in one run of the compiler: their headers are read once. headstock_together(TARGET… ALONE SOURCE…) names
+# the targets whose sources may stand in one file; ALONE are those whose file-local names clash with their neighbours'.
 function(headstock_together)
+  cmake_parse_arguments(ARG "" "" "ALONE" ${ARGN})
   if(HEADSTOCK_TOGETHER)
-    foreach(target ${ARGN})
+    foreach(target ${ARG_UNPARSED_ARGUMENTS})
+      get_target_property(folder ${target} SOURCE_DIR)
+      foreach(source ${ARG_ALONE})
+        set_property(SOURCE ${folder}/${source} TARGET_DIRECTORY ${target} PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)
+      endforeach()
       set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
       # Seen from the joined file, what is local to one source looks as if it were local to a header.
       target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)

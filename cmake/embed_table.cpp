@@ -78,13 +78,13 @@ void embed(const std::string& file, const std::string& name, const std::filesyst
                  row + "> " + name + ";\n}\n");
   write_file(folder / (name + ".cpp"), "#include \"" + name +
                                            ".hpp\"\n\nnamespace headstock::tables {\n"
-                                           "using namespace std::string_view_literals;\nnamespace {\n"
+                                           "using namespace std::string_view_literals;\nnamespace " + name + "_table {\n"
                                            "using Row = " +
                                            row + ";\nconstexpr std::array<Row, " + std::to_string(count) +
                                            "> rows{\n" + rows.str() +
                                            "};\n}\n"
-                                           "constinit const std::span<const Row> " +
-                                           name + "{rows};\n}\n");
+                                           "constinit const std::span<const " + name + "_table::Row> " +
+                                           name + "{" + name + "_table::rows};\n}\n");
 }
 
 }  // namespace

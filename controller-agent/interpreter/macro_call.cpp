@@ -37,12 +37,6 @@ const CodeCall* find_call(const std::vector<CodeCall>& calls, std::int32_t tenth
   return nullptr;
 }
 
-template <std::size_t N>
-void remove_code(std::array<program::Code, N>& codes, std::uint8_t& count, std::size_t place) {
-  for (std::size_t i = place; i + 1 < count; ++i) codes[i] = codes[i + 1];
-  --count;
-}
-
 }  // namespace
 
 // The parameters that make codes call programs, read when a program starts.
@@ -332,13 +326,13 @@ bool Executor::take_calls(bool& taken) {
   for (std::size_t i = 0; i < block.m_count; ++i) {
     const program::Code written = block.m[i];
     if (written.tenths == macros->external_m * 10) {
-      remove_code(block.m, block.m_count, i--);
+      program::remove_code(block.m, block.m_count, i--);
       if (!call_external(written.column)) return false;
       continue;
     }
     if (interruption.on_code > 0 &&
         (written.tenths == interruption.on_code * 10 || written.tenths == interruption.off_code * 10)) {
-      remove_code(block.m, block.m_count, i--);
+      program::remove_code(block.m, block.m_count, i--);
       if (!allow_interruption(written, written.tenths == interruption.on_code * 10)) return false;
       continue;
     }
@@ -354,7 +348,7 @@ bool Executor::take_calls(bool& taken) {
       return call_macro(by_code->program, written.column, false);
     }
     if (sub_call != nullptr) return alarm(AlarmReason::sub_call_twice, written, 'M');
-    remove_code(block.m, block.m_count, i--);
+    program::remove_code(block.m, block.m_count, i--);
     sub_call = by_code;
     sub_call_column = written.column;
   }

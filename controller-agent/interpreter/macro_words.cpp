@@ -25,12 +25,6 @@ void forget(program::Block& block, const program::ComputedWord& word) {
   }
 }
 
-template <std::size_t N>
-void remove_code(std::array<program::Code, N>& codes, std::uint8_t& count, std::size_t place) {
-  for (std::size_t i = place; i + 1 < count; ++i) codes[i] = codes[i + 1];
-  --count;
-}
-
 }  // namespace
 
 Result Executor::fill_computed(const CompiledBlock& compiled) {
@@ -69,8 +63,8 @@ Result Executor::fill_computed(const CompiledBlock& compiled) {
     if (!result.ok()) return result;
     macros->computed[i] = value;
     if (macro::is_null(value)) {  // the address counts as not written (L13573)
-      if (word.letter == 'G') remove_code(block.g, block.g_count, word.place - g_removed++);
-      if (word.letter == 'M') remove_code(block.m, block.m_count, word.place - m_removed++);
+      if (word.letter == 'G') program::remove_code(block.g, block.g_count, word.place - g_removed++);
+      if (word.letter == 'M') program::remove_code(block.m, block.m_count, word.place - m_removed++);
       if (!is_code) forget(block, word);
       continue;
     }

@@ -13,7 +13,6 @@ using tools::LifeGroup;
 using tools::LifeUnit;
 
 constexpr std::int32_t kToolChange = 6;
-constexpr std::int64_t kTenthsAMinute = 600;
 constexpr std::int64_t kReportEvery = 600;  // tenths: a power failure loses a minute of the count at most
 
 const ToolLifeRules& rules_of(const Executor& ex) {

@@ -33,6 +33,8 @@ struct ToolLife {
 
 namespace tool_life {
 
+inline constexpr std::int64_t kTenthsAMinute = 600;  ///< life in minutes is kept in tenths of a second
+
 bool is_on(const Executor& ex);
 
 /// Groups, and tools in each, as the parameters divide the memory.

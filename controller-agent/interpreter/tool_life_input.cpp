@@ -11,8 +11,6 @@ using dialects::ToolLifeRules;
 using tools::LifeGroup;
 using tools::LifeUnit;
 
-constexpr std::int64_t kTenthsAMinute = 600;
-
 bool only(Executor& ex, std::uint32_t allowed) {
   const program::Block& b = ex.block;
   if (b.g_count != 0) return ex.alarm(AlarmReason::life_format, b.g[0], 'G');

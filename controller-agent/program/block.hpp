@@ -63,6 +63,13 @@ struct Code {
 
 inline constexpr std::size_t kMostCodes = 16;
 
+/// Takes the code at `place` out of the first `count`.
+template <std::size_t N>
+void remove_code(std::array<Code, N>& codes, std::uint8_t& count, std::size_t place) {
+  for (std::size_t i = place; i + 1 < count; ++i) codes[i] = codes[i + 1];
+  --count;
+}
+
 /// A word that was written again later in its block (I J K of a macro call).
 struct EarlierWord {
   Word word;

@@ -48,7 +48,7 @@ struct FreeStore {
   void operator()(X509* certificate) const { X509_free(certificate); }
 };
 
-std::string to_pem(X509* certificate) {
+std::string peer_pem(X509* certificate) {
   const std::unique_ptr<BIO, FreeStore> bio(BIO_new(BIO_s_mem()));
   if (!bio || PEM_write_bio_X509(bio.get(), certificate) != 1) return {};
   char* data = nullptr;
@@ -90,7 +90,7 @@ std::string check_enrolment_server(SSL* connection, const std::string& ca_finger
   if (!chain || sk_X509_num(chain) < 1) return "the server shows no certificate";
   for (int i = 0; i < sk_X509_num(chain); ++i) {
     X509* const candidate = sk_X509_value(chain, i);
-    const std::string pem = to_pem(candidate);
+    const std::string pem = peer_pem(candidate);
     if (pem.empty() || fingerprint(pem) != ca_fingerprint) continue;
     const std::unique_ptr<X509_STORE, FreeStore> store(X509_STORE_new());
     const std::unique_ptr<X509_STORE_CTX, FreeStore> check(X509_STORE_CTX_new());
@@ -108,7 +108,7 @@ std::string check_enrolment_server(SSL* connection, const std::string& ca_finger
 
 std::string peer_certificate(SSL* connection) {
   const std::unique_ptr<X509, FreeStore> certificate(SSL_get1_peer_certificate(connection));
-  return certificate ? to_pem(certificate.get()) : std::string();
+  return certificate ? peer_pem(certificate.get()) : std::string();
 }
 
 std::string verification_failure(SSL* connection) {

@@ -25,7 +25,6 @@ namespace fs = std::filesystem;
 using boost::asio::awaitable;
 using nlohmann::json;
 
-constexpr std::int64_t kHourMs = 3'600'000, kDayMs = 24 * kHourMs;
 constexpr const char* kAutomatic = "server";  ///< by whom: the daily ones
 
 struct Flag {
@@ -290,7 +289,7 @@ awaitable<void> Backups::make_due_backup() {
       last = since ? std::stoll(*since) : now;
     }
     // A clock that was set back must not stop the backups for years.
-    return now - last >= settings.backup_every_hours * kHourMs || last - now > kHourMs;
+    return now - last >= settings.backup_every_hours * db::kHourMs || last - now > db::kHourMs;
   };
   if (!co_await store_.run(due)) co_return;
   const auto row = co_await make_server(access::Actor{});
@@ -315,7 +314,7 @@ awaitable<void> Backups::thin_out() {
   };
   const auto [settings, machines] = co_await store_.run(read);
   if (settings.states_days > 0) {
-    const auto before = now - settings.states_days * kDayMs;
+    const auto before = now - settings.states_days * db::kDayMs;
     for (const auto machine : machines) {
       const auto piece = [&](db::Database& db) { return coarsen_states(db, machine, before); };
       while (co_await store_.run(piece)) {
@@ -323,13 +322,13 @@ awaitable<void> Backups::thin_out() {
     }
   }
   if (settings.events_days > 0) {
-    const auto before = now - settings.events_days * kDayMs;
+    const auto before = now - settings.events_days * db::kDayMs;
     const auto piece = [&](db::Database& db) { return archive_events(db, data_folder_, before, db::now_ms()); };
     while (co_await store_.run(piece) > 0) {
     }
   }
   if (settings.transfers_days > 0) {
-    const auto before = now - settings.transfers_days * kDayMs;
+    const auto before = now - settings.transfers_days * db::kDayMs;
     const auto forget = [&](db::Database& db) { return forget_transfers(db, before); };
     co_await store_.run(forget);
   }

@@ -11,6 +11,7 @@
 #include "db/backup_store.hpp"
 #include "db/event_store.hpp"
 #include "db/refusal.hpp"
+#include "db/time.hpp"
 #include "server/access/audit.hpp"
 #include "server/backup/archive.hpp"
 
@@ -19,8 +20,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::int64_t kHourMs = 3'600'000;
-constexpr std::int64_t kDayMs = 24 * kHourMs;
 constexpr int kEventsAtOnce = 20'000;
 
 struct Setting {
@@ -94,15 +93,15 @@ void set_retention(db::Database& db, const access::Actor& actor, const Retention
 
 std::optional<std::int64_t> coarsen_states(db::Database& db, std::int64_t machine, std::int64_t before_ms) {
   const std::string key = "keeping.states_until." + std::to_string(machine);
-  const std::int64_t end = before_ms / kHourMs * kHourMs;
+  const std::int64_t end = before_ms / db::kHourMs * db::kHourMs;
   db::Transaction transaction(db);
   // From where the last time ended, or the first whole hour of the record.
   std::int64_t begin = 0;
   if (const auto text = db::setting(db, key)) begin = std::stoll(*text);
   const auto first = db.integer("SELECT MIN(from_ms) FROM state_intervals WHERE machine_id = ? AND to_ms > ?", {machine, begin});
   if (!first) return std::nullopt;
-  begin = std::max(begin, (*first + kHourMs - 1) / kHourMs * kHourMs);
-  const std::int64_t stop = std::min(end, begin + kDayMs);
+  begin = std::max(begin, (*first + db::kHourMs - 1) / db::kHourMs * db::kHourMs);
+  const std::int64_t stop = std::min(end, begin + db::kDayMs);
   if (begin >= stop) return std::nullopt;
 
   std::vector<db::StateRow> rows;
@@ -124,7 +123,7 @@ std::optional<std::int64_t> coarsen_states(db::Database& db, std::int64_t machin
     std::int64_t at = std::max(row.from_ms, begin);
     const std::int64_t to = std::min(row.to_ms.value_or(stop), stop);
     while (at < to) {
-      const std::int64_t hour = at / kHourMs * kHourMs, until = std::min(to, hour + kHourMs);
+      const std::int64_t hour = at / db::kHourMs * db::kHourMs, until = std::min(to, hour + db::kHourMs);
       hours[hour].push_back({row.state, row.mode, row.source, until - at});
       starts.try_emplace(hour, at);
       at = until;

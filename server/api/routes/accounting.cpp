@@ -17,8 +17,6 @@ namespace {
 using access::Action;
 using boost::asio::awaitable;
 
-constexpr std::int64_t kDayMs = 86'400'000;
-
 json as_seconds(std::int64_t ms) { return static_cast<double>(ms) / 1000; }
 json maybe(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
 
@@ -27,7 +25,7 @@ fleet::Span span_of(const Call& call) {
   const auto now = db::now_ms();
   fleet::Span span;
   span.to_ms = time_of(call, "to").value_or(now);
-  span.from_ms = time_of(call, "from").value_or(span.to_ms - kDayMs);
+  span.from_ms = time_of(call, "from").value_or(span.to_ms - db::kDayMs);
   return span;
 }
 

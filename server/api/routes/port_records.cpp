@@ -23,8 +23,6 @@ using access::Action;
 /// A log of more rows than this is asked for by months.
 constexpr std::size_t kLargestLog = 64u << 20;
 
-json maybe_id(std::int64_t id) { return id == 0 ? json(nullptr) : json(id); }
-json maybe_text(const std::string& text) { return text.empty() ? json(nullptr) : json(text); }
 json maybe_time(std::int64_t ms) { return ms == 0 ? json(nullptr) : time_json(ms); }
 
 json shape(const db::PlanRow& row) {
@@ -52,13 +50,6 @@ json shape(const db::PunchedDataRow& row) {
   return {{"id", row.id}, {"received", row.received}, {"port", row.port}, {"machine", maybe_id(row.machine)}, {"kind", row.kind},
           {"name", row.name}, {"sha256", row.sha256}, {"entries", row.entries}, {"by", row.by},
           {"punched", time_json(row.punched_ms)}, {"accepted", time_json(row.accepted_ms)}};
-}
-
-template <class Row>
-json shape_list(const db::Listed<Row>& list) {
-  json items = json::array();
-  for (const auto& row : list.items) items.push_back(shape(row));
-  return {{"items", std::move(items)}, {"next", list.next ? json(std::to_string(*list.next)) : json(nullptr)}};
 }
 
 std::vector<Route> certificates(Services& s) {
@@ -131,7 +122,7 @@ std::vector<Route> plans(Services& s) {
                       const bool open = call.text("open") == "true";
                       const auto page = page_of(call);
                       const auto list = co_await s.store.run([&](db::Database& db) { return db::plans(db, port, open, page); });
-                      co_return json_reply(shape_list(list));
+                      co_return json_reply(list_json(list, [](const auto& row) { return shape(row); }));
                     }});
   routes.push_back({.method = Method::del, .pattern = "/port-plans/{id}", .role = needs(Action::cancel_transfer),
                     .summary = "Take a plan back", .response = "PortPlan", .errors = {"already_decided"},
@@ -164,7 +155,7 @@ std::vector<Route> residents(Services& s) {
                       const auto page = page_of(call);
                       const auto list = co_await s.store.run(
                           [&](db::Database& db) { return db::punched_data_rows(db, machine, kind, page); });
-                      co_return json_reply(shape_list(list));
+                      co_return json_reply(list_json(list, [](const auto& row) { return shape(row); }));
                     }});
   routes.push_back({.method = Method::get, .pattern = "/punched-data/{id}", .role = Role::viewer,
                     .summary = "One set with its values, and what changed against the set before", .response = "PunchedData",

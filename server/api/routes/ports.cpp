@@ -21,8 +21,6 @@ namespace {
 using boost::asio::awaitable;
 using access::Action;
 
-json maybe_id(std::int64_t id) { return id == 0 ? json(nullptr) : json(id); }
-json maybe_text(const std::string& text) { return text.empty() ? json(nullptr) : json(text); }
 
 /// A member that may be left out.
 bool flag(const Call& call, const char* name) {
@@ -85,13 +83,6 @@ json shape(const db::ReceivedRow& row) {
           {"against_revision", maybe_id(row.against_revision)}, {"classes", std::move(classes)}, {"state", row.state},
           {"decided_by", maybe_text(row.decided_by)}, {"decided_why", maybe_text(row.decided_why)},
           {"decided", time_json(row.decided_ms)}, {"at", time_json(row.at_ms)}};
-}
-
-template <class Row>
-json shape_list(const db::Listed<Row>& list) {
-  json items = json::array();
-  for (const auto& row : list.items) items.push_back(shape(row));
-  return {{"items", std::move(items)}, {"next", list.next ? json(std::to_string(*list.next)) : json(nullptr)}};
 }
 
 json shape(const dnc::MonitorPiece& piece, bool iso) {
@@ -265,7 +256,7 @@ std::vector<Route> sending(Services& s) {
                       for (const auto& view : s.dnc.views())
                         for (auto& row : list.items)
                           if (view.transfer && view.transfer->id == row.id) row = *view.transfer;
-                      co_return json_reply(shape_list(list));
+                      co_return json_reply(list_json(list, [](const auto& row) { return shape(row); }));
                     }});
   return routes;
 }
@@ -287,7 +278,7 @@ std::vector<Route> receiving(Services& s) {
                       const auto page = page_of(call);
                       const auto list = co_await s.store.run(
                           [&](db::Database& db) { return db::received_rows(db, state, port, page); });
-                      co_return json_reply(shape_list(list));
+                      co_return json_reply(list_json(list, [](const auto& row) { return shape(row); }));
                     }});
   routes.push_back({.method = Method::get, .pattern = "/received/{id}/text", .role = Role::viewer,
                     .summary = "The text as it came, at most 1 MiB of it", .response = "ReceivedText",
