@@ -153,6 +153,25 @@ Vectors change_side(const Segment& a, double r_a, const Segment& b, double r_b) 
   return v;
 }
 
+bool is_groove(const Segment& a, const Segment& b, const Segment& c, double r) {
+  return !b.arc && turn_between(a, b, r).inside && turn_between(b, c, r).inside;
+}
+
+Point normal_of(Point direction, double r) {
+  const double size = length(direction);
+  return size > 0 ? left_of(direction * (1 / size)) * r : Point{};
+}
+
+Vectors cancel_at_wall(const Segment& a, Point direction, double r) {
+  const Segment wall = line(a.to, a.to + direction);
+  const Turn turn = turn_between(a, wall, r);
+  Point at;
+  // On a straight line the two paths are one; where the wall leads straight back there is no crossing.
+  const bool meets = std::fabs(turn.angle) > kStraightOn && turn.workpiece > 1 * kDegree &&
+                     turn.workpiece < 359 * kDegree && inside_vector(a, wall, r, at);
+  return single(meets ? at : normal_at_end(a, r));
+}
+
 Vectors corner_arc(const Segment& a, Point after, double r) {
   const Point before = a.direction_at_end();
   Vectors v;

@@ -18,6 +18,7 @@ namespace headstock::cycles {
 enum class Fault : std::uint8_t {
   // ---- profiles of G70-G73
   no_range,          ///< P or Q missing
+  range_number,      ///< P or Q is no sequence number
   range_order,       ///< P not before Q, or not a number
   not_found,         ///< no block with that number
   not_following,     ///< the profile does not follow the cycle's block

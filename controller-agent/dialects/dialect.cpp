@@ -91,6 +91,22 @@ constexpr std::pair<R, R> kFinerReasons[] = {
     {R::too_many_words, R::too_many_m},
     {R::macro_word_unknown, R::macro_syntax},
     {R::call_in_hole_cycle, R::macro_with_words},
+    {R::measure_no_length, R::measure_axis},
+    {R::offset_value, R::offset_number},
+    {R::corner_chamfer_size, R::corner_too_large},
+    {R::corner_short_line, R::corner_too_large},
+    {R::compensation_groove, R::compensation_interference},
+    {R::compensation_arc_end, R::arc_radius},
+    {R::compensation_arc_again, R::compensation_start_arc},
+    {R::call_with_cycle, R::compensation_call},
+    {R::rigid_tap_axis, R::rigid_tap_again},
+    {R::rigid_tap_plane, R::rigid_tap_again},
+    {R::two_cycles, R::g_same_group},
+    {R::normal_direction_axis, R::illegal_address},
+    {R::drawing_unit, R::drawing_blocks},
+    {R::drawing_polar, R::drawing_blocks},
+    {R::drawing_mirror, R::drawing_blocks},
+    {R::drawing_plane, R::drawing_blocks},
 };
 
 // "G54.1" → 541.
@@ -190,8 +206,9 @@ std::span<const std::string_view> dialect_names() {
 
 const Dialect* find(std::string_view profile) {
   static const std::array<Dialect, std::size(kProfiles)> dialects = [] {
-    std::array<Dialect, std::size(kProfiles)> made = {make_fanuc_0i_t(), make_fanuc_0i_m(), make_gsk_2000tc(),
-                                                      make_gsk_218t(),   make_k2000tc(),    make_lathe_200t()};
+    std::array<Dialect, std::size(kProfiles)> made = {make_fanuc_0i_t(), make_fanuc_0i_m(),
+                                                      make_gsk_2000tc(), make_gsk_218t(),
+                                                      make_k2000tc(),    make_lathe_200t()};
     for (Dialect& dialect : made) set_path_rules(dialect);
     return made;
   }();

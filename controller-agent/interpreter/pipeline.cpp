@@ -120,6 +120,7 @@ void Pipeline::take(Executor& ex) {
     describe(ex, entry);
     if (entry.motion) {
       entry.request = std::exchange(request_, CornerRequest{});
+      entry.vector = std::exchange(vector_, BlockVector{});
       moved = moved || entry.plane_move || entry.lifted || entry.request.open;
     }
     corners(ex, std::move(entry));
@@ -136,6 +137,7 @@ void Pipeline::take(Executor& ex) {
   }
   block_counts_ = again_ = lift_block_ = written_here_ = false;
   request_ = {};
+  vector_ = {};
   const bool busy = held_corner_ || on_ || has_last_ || has_previous_ || side_ != 0;
   if (!busy || stopped_) active_ = false;
   if (stopped_) clear();
@@ -194,7 +196,15 @@ void Pipeline::meet_corner(Executor& ex, Entry&& next) {
     cut = comp::cut_corner(held_.path, next.path, request.shape, request.size_mm,
                            ex.dialect.corners.chamfer_size);
   }
-  if (cut.fault == CornerFault::too_large) return fail(AlarmReason::corner_too_large);
+  if (cut.fault == CornerFault::too_large) {
+    const bool chamfer = request.shape == CornerShape::chamfer;
+    // Of lines: longer than the third side of their triangle, or it ends beyond one of them (2000TC 3.6.3).
+    const bool lines = !held_.path.arc && !next.path.arc;
+    const double third = comp::length(next.path.to - held_.path.from);
+    if (!chamfer) return fail(AlarmReason::corner_too_large);
+    return fail(lines && request.size_mm > third ? AlarmReason::corner_chamfer_size
+                                                 : AlarmReason::corner_short_line);
+  }
   // Not where compensation begins, ends or changes its side (0i-D PS0039, K2000TC L17717).
   const bool begins = held_.mode.wanted && !on_, ends = held_.mode.wanted && !next.mode.wanted;
   if (cut.fault == CornerFault::none && (begins || ends || held_.mode.radius * next.mode.radius < 0))

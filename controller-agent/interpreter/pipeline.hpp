@@ -71,6 +71,10 @@ class Pipeline {
   void drop_for_block() { lift_block_ = true; }  ///< G28 and the like: this block runs without the vector
   void corner_arc(bool has_direction, comp::Point direction);  ///< G39
   void written(int side, bool same_as_before);                 ///< G40 (0), G41 (1), G42 (-1)
+  /// I J K of the block being carried out, in the plane, not of length 0.
+  void vector(comp::Point direction) { vector_ = {true, direction}; }
+  /// G40 stands in this block and takes a vector off.
+  bool cancels_here() const { return on_ && written_here_ && side_ == 0; }
   int side() const { return side_; }
 
   /// The plane's axes and the tool of the block being carried out.
@@ -83,12 +87,18 @@ class Pipeline {
 
  private:
   enum class Role : std::uint8_t { body, start };
+  /// I J K of a block: a direction in the plane.
+  struct BlockVector {
+    bool given = false;
+    comp::Point direction;
+  };
   struct Entry {
     Operation op;
     CompensationMode mode;
     CornerRequest request;
     comp::Segment path;  ///< programmed, in the plane
     comp::Point start_vector;
+    BlockVector vector;
     Role role = Role::body;
     bool motion = false;
     bool plane_move = false;  ///< moves in the plane by more than nothing
@@ -144,6 +154,7 @@ class Pipeline {
   bool lift_block_ = false;
   bool again_ = false;
   int side_ = 0;
+  BlockVector vector_;
   Corner39 corner_arc_;
 
   // stage 1

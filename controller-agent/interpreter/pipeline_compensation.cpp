@@ -163,7 +163,9 @@ void Pipeline::compensate(Executor& ex, Entry&& entry) {
   if (std::holds_alternative<Rapid>(entry.op)) rules.circular_outside = false;
   const double r_last = last_.mode.radius;
   Vectors v;
-  if (last_.role == Role::start) {
+  if (last_.vector.given) {
+    v = comp::single(comp::normal_of(last_.vector.direction, r_last));
+  } else if (last_.role == Role::start) {
     v = comp::start_up(last_.path, entry.path, r, rules);
   } else if (corner_arc_.asked) {
     v = comp::corner_arc(last_.path,
@@ -222,8 +224,16 @@ void Pipeline::leave(Executor& ex, Entry&& entry) {
     comp::OffsetRules rules = offset_rules(ex);
     if (std::holds_alternative<Rapid>(entry.op)) rules.circular_outside = false;
     const double r = last_.mode.radius;
-    const Vectors v = last_.role == Role::start ? comp::single(comp::normal_at_end(last_.path, r))
-                                                : comp::cancel(last_.path, entry.path, r, rules);
+    Vectors v;
+    if (entry.vector.given && last_.role != Role::start) {
+      v = comp::cancel_at_wall(last_.path, entry.vector.direction, r);
+    } else if (last_.vector.given) {
+      v = comp::single(comp::normal_of(last_.vector.direction, r));
+    } else if (last_.role == Role::start) {
+      v = comp::single(comp::normal_at_end(last_.path, r));
+    } else {
+      v = comp::cancel(last_.path, entry.path, r, rules);
+    }
     if (close_last(ex, v, nullptr) == Closed::stopped) return;
     last_ = entry;  // its feed is that of the corner's moves
     has_last_ = true;
@@ -238,7 +248,9 @@ void Pipeline::leave(Executor& ex, Entry&& entry) {
 Pipeline::Closed Pipeline::close_last(Executor& ex, Vectors end, const Entry* next) {
   const auto& rules = ex.dialect.compensation;
   const bool checked = last_.role == Role::body && !last_.free_start &&
-                       (rules.check_parameter.empty() || ex.data.parameter(rules.check_parameter, 1) != 0);
+                       (rules.check_parameter.empty() || ex.data.parameter(rules.check_parameter, 1) != 0) &&
+                       !ex.data.bit(rules.no_check_parameter) &&
+                       (last_.path.arc || !ex.data.bit(rules.arcs_only_parameter));
   if (checked) {
     bool straight = false;
     if (comp::settle(last_.path, corner_, end, last_.mode.radius, straight) == comp::Between::reversed) {
@@ -248,7 +260,10 @@ Pipeline::Closed Pipeline::close_last(Executor& ex, Vectors end, const Entry* ne
       } else if (next != nullptr && ex.data.bit(rules.avoid_parameter)) {
         return leave_out(ex, *next);
       } else {
-        raise(ex, AlarmReason::compensation_interference, at, 0, {});
+        const bool groove = has_previous_ && next != nullptr &&
+                            comp::is_groove(previous_.path, last_.path, next->path, last_.mode.radius);
+        raise(ex, groove ? AlarmReason::compensation_groove : AlarmReason::compensation_interference, at, 0,
+              {});
       }
       return Closed::stopped;
     }
@@ -310,7 +325,9 @@ void Pipeline::release_previous(Executor& ex) {
 // No more is known of what follows: the vector normal to the last motion.
 void Pipeline::settle_here(Executor& ex) {
   if (has_last_) {
-    const Vectors normal = comp::single(comp::normal_at_end(last_.path, last_.mode.radius));
+    const double r = last_.mode.radius;
+    const Vectors normal = comp::single(last_.vector.given ? comp::normal_of(last_.vector.direction, r)
+                                                           : comp::normal_at_end(last_.path, r));
     if (close_last(ex, normal, nullptr) == Closed::stopped) return;
   }
   release_previous(ex);
