@@ -85,6 +85,7 @@ struct Controller::Impl {
   void go_on();
   double rapid_f0() const;
   EditResult edit_values(const EditRequest& request);  // data_edit.cpp
+  EditResult touch(const TouchRequest& request);       // touch.cpp
   bool emergency_braking() const { return emergency && phase == Phase::aborting; }
   bool busy() const {
     return phase == Phase::running || phase == Phase::stopped || phase == Phase::aborting ||
