@@ -169,6 +169,7 @@ Rules gsk_2000tc() {
 Rules gsk_218t() {
   Rules r = gsk_2000tc();
   r.profile = "gsk-218t";
+  r.most_sequence = 9'999;
   set_alarms(r, "145",
              {{F::no_range, "053"},
               {F::range_number, "166"},

@@ -91,22 +91,6 @@ constexpr std::pair<R, R> kFinerReasons[] = {
     {R::too_many_words, R::too_many_m},
     {R::macro_word_unknown, R::macro_syntax},
     {R::call_in_hole_cycle, R::macro_with_words},
-    {R::measure_no_length, R::measure_axis},
-    {R::offset_value, R::offset_number},
-    {R::corner_chamfer_size, R::corner_too_large},
-    {R::corner_short_line, R::corner_too_large},
-    {R::compensation_groove, R::compensation_interference},
-    {R::compensation_arc_end, R::arc_radius},
-    {R::compensation_arc_again, R::compensation_start_arc},
-    {R::call_with_cycle, R::compensation_call},
-    {R::rigid_tap_axis, R::rigid_tap_again},
-    {R::rigid_tap_plane, R::rigid_tap_again},
-    {R::two_cycles, R::g_same_group},
-    {R::normal_direction_axis, R::illegal_address},
-    {R::drawing_unit, R::drawing_blocks},
-    {R::drawing_polar, R::drawing_blocks},
-    {R::drawing_mirror, R::drawing_blocks},
-    {R::drawing_plane, R::drawing_blocks},
 };
 
 // "G54.1" → 541.

@@ -118,6 +118,26 @@ const Codes kK2000Codes = {{R::corner_words, "PS9003"},
                            {R::drawing_mirror, "PS0431"},
                            {R::drawing_plane, "PS0432"}};
 
+// Reasons that only some controls have a number of their own for: the others print that of the second.
+constexpr std::pair<R, R> kFiner[] = {
+    {R::measure_no_length, R::measure_axis},
+    {R::offset_value, R::offset_number},
+    {R::corner_chamfer_size, R::corner_too_large},
+    {R::corner_short_line, R::corner_too_large},
+    {R::compensation_groove, R::compensation_interference},
+    {R::compensation_arc_end, R::arc_radius},
+    {R::compensation_arc_again, R::compensation_start_arc},
+    {R::call_with_cycle, R::compensation_call},
+    {R::rigid_tap_axis, R::rigid_tap_again},
+    {R::rigid_tap_plane, R::rigid_tap_again},
+    {R::two_cycles, R::g_same_group},
+    {R::normal_direction_axis, R::illegal_address},
+    {R::drawing_unit, R::drawing_blocks},
+    {R::drawing_polar, R::drawing_blocks},
+    {R::drawing_mirror, R::drawing_blocks},
+    {R::drawing_plane, R::drawing_blocks},
+};
+
 struct PathRules {
   std::string_view profile;
   CornerRules corners;
@@ -232,6 +252,13 @@ void set_path_rules(Dialect& dialect) {
     dialect.corner_words = row.corner_words;
     for (const Codes* codes : row.codes) {
       for (const auto& [reason, code] : *codes) dialect.set_alarm_code(reason, code);
+    }
+    for (const auto& [fine, coarse] : kFiner) {
+      bool own = false;
+      for (const Codes* codes : row.codes) {
+        for (const auto& code : *codes) own = own || code.first == fine;
+      }
+      if (!own) dialect.set_alarm_code(fine, dialect.alarm_code(coarse));
     }
   }
 }

@@ -108,8 +108,12 @@ void Pipeline::describe(const Executor& ex, Entry& entry) {
   const Point to{motion->end_machine[u], motion->end_machine[v]};
   if (const auto* arc = std::get_if<Arc>(&entry.op)) {
     if (arc->plane == entry.mode.plane) {
-      entry.path = comp::arc(from, to, {arc->center_machine[u], arc->center_machine[v]},
-                             arc->turn == Turn::ccw ? 1 : -1);
+      entry.path.from = from;
+      entry.path.to = to;
+      entry.path.arc = true;
+      entry.path.center = {arc->center_machine[u], arc->center_machine[v]};
+      entry.path.turn = arc->turn == Turn::ccw ? 1 : -1;
+      entry.path.sweep = arc->turns * (2 * std::numbers::pi);
       entry.plane_move = true;
     } else {
       entry.lifted = true;

@@ -2,6 +2,7 @@
 // it, whose corner with `last_` is known but may still lose vectors when `last_` turns out to run backwards.
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "interpreter/executor.hpp"
@@ -294,12 +295,11 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
   const CompensationMode& mode = previous_->mode;
   const comp::Segment& path = previous_->path;
   if (in_place(ex)) passed_ = previous_->op;
-  const bool around = corner_.count > 1;
+  std::optional<Motion> like;  // what the moves around the corner have in common with the block
   MotionFeed speed;
-  Motion like;
-  if (around) {
-    speed = feed_of(next != nullptr ? next->op : previous_->op);
+  if (corner_.count > 1) {
     like = *motion_in(previous_->op);
+    speed = feed_of(next != nullptr ? next->op : previous_->op);
   }
 
   const Point first = corner_.first();
@@ -325,8 +325,8 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
       move.from = move.from + tip;
       move.to = move.to + tip;
     }
-    if (settings(ex).stops) ++like.at.part;
-    send(ex, motion_along(ex, like, mode, to, move, speed));
+    if (settings(ex).stops) ++like->at.part;
+    send(ex, motion_along(ex, *like, mode, to, move, speed));
   }
   kept_ = corner_.last();
   kept_mode_ = mode;

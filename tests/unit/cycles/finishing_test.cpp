@@ -208,8 +208,8 @@ TEST(Finishing, RoughingKeepsTheAllowanceAndG70RunsTheContour) {
       for (Xy* q : {&p.from, &p.to, &p.center}) *q = {q->x + job.allow_z, q->y + job.allow_x};
     }
     for (const Piece& p : made.roughing) {
-      for (int k = 0; k <= 40; ++k) {
-        const Xy q = point(p, k / 40.0);
+      for (int k = 0; k <= 16; ++k) {
+        const Xy q = point(p, k / 16.0);
         ASSERT_FALSE(inside_work(job, allowed, q, kRough_mm)) << "roughing at Z" << q.x << " X" << 2 * q.y;
       }
     }
@@ -219,8 +219,8 @@ TEST(Finishing, RoughingKeepsTheAllowanceAndG70RunsTheContour) {
     }
 
     for (const Piece& p : job.contour) {
-      for (int k = 0; k <= 40; ++k) {
-        const Xy q = point(p, k / 40.0);
+      for (int k = 0; k <= 16; ++k) {
+        const Xy q = point(p, k / 16.0);
         ASSERT_LT(distance(q, made.finishing), kFinished_mm) << "not finished: Z" << q.x << " X" << 2 * q.y;
       }
     }
@@ -228,8 +228,8 @@ TEST(Finishing, RoughingKeepsTheAllowanceAndG70RunsTheContour) {
     const Xy first = job.contour.front().from;
     bool on_contour = false;
     for (const Piece& p : made.finishing) {
-      for (int k = 0; on_contour && k <= 40; ++k)
-        ASSERT_LT(distance(point(p, k / 40.0), job.contour), kFinished_mm) << "beside the contour";
+      for (int k = 0; on_contour && k <= 16; ++k)
+        ASSERT_LT(distance(point(p, k / 16.0), job.contour), kFinished_mm) << "beside the contour";
       on_contour = on_contour || std::hypot(p.to.x - first.x, p.to.y - first.y) < kFinished_mm;
     }
     ASSERT_TRUE(on_contour);

@@ -124,6 +124,11 @@ TEST(Pockets, RandomPocketsInTheOrderOfTheReference) {
     }
     polygon.push_back({polygon.back().x - micron(2, 9), top});
     const double depth = micron(0.7, 3);
+    // A ridge exactly on a level: one cut over it or two beside it are the same.
+    const bool touches = std::any_of(polygon.begin() + 1, polygon.end() - 1, [&](Xy p) {
+      return std::fabs(std::remainder(top - p.y, depth)) < 1e-6;
+    });
+    if (touches) continue;
     compare(polygon, top + 0.0, 2, depth);
     if (testing::Test::HasFatalFailure()) return;
     std::vector<Level> expected;
