@@ -140,7 +140,8 @@ db::ValueRequestRow finish_request(db::Database& db, std::int64_t id, const json
     agrees &= same_as_shown(item.read_back, item.after);
   }
   const bool all_read = std::ranges::all_of(row.items, &db::ValueItem::was_read);
-  // Another change (a G10, a measurement) was on the disk behind this one before it was read: both are in the history.
+  // Another change (a G10, a measurement) was on the disk behind this one before it was read: both are in the
+  // history.
   agrees |= answer.value("overtaken", false);
   if (answer.value("accepted", false)) {
     // Done is what was read back from the machine's disk, nothing less.
@@ -248,7 +249,10 @@ Difference difference(db::Database& db, std::int64_t machine, const db::MachineV
 
 asio::awaitable<db::ValueRequestRow> ValueDesk::ask(Actor actor, NewValueRequest request) {
   const auto in_store = [&](db::Database& db) { return ask_values(db, actor, request, db::now_ms()); };
-  db::ValueRequestRow row = co_await store_.run(in_store);
+  co_return co_await carry_out(co_await store_.run(in_store));
+}
+
+asio::awaitable<db::ValueRequestRow> ValueDesk::carry_out(db::ValueRequestRow row) {
   if (row.state == "sending") co_return co_await send(std::move(row));
   changed_(row.machine);
   co_return row;
