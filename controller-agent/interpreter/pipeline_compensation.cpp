@@ -45,7 +45,7 @@ CompensationMode Pipeline::mode_of(const Executor& ex) const {
   mode.wanted = number > 0;
   if (!mode.wanted || number >= static_cast<std::int64_t>(ex.data.tools.size())) return mode;
   const ToolOffset& tool = ex.data.tools[static_cast<std::size_t>(number)];
-  const double value = tool.radius + tool.radius_wear;
+  const double value = rules.by_d ? tool_offset::radius_value(ex, number) : tool.radius + tool.radius_wear;
   // In a plane that is mirrored the tool is on the other side, as arcs turn the other way.
   const int side = ex.transform.reverses(mode.first, mode.second) ? -side_ : side_;
   mode.radius = side * (settings(ex).diameter ? value / 2 : value);
@@ -310,8 +310,8 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
     run.sweep = comp::arc(run.from, run.to, run.center, run.turn).sweep;
     set_arc(ex, previous_->op, mode, run, mode.tip);
   }
-  displace(ex, *motion_in(previous_->op), mode, first);
-  send(ex, std::move(previous_->op));
+  // Displaced where it stands then: what was just written is slow to copy.
+  displace(ex, *motion_in(send(ex, std::move(previous_->op))), mode, first);
   has_previous_ = false;
 
   const Point tip = mode.tip;
