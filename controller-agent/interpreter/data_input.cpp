@@ -4,6 +4,7 @@
 
 #include "interpreter/executor.hpp"
 #include "interpreter/handlers.hpp"
+#include "interpreter/offset_memory.hpp"
 
 namespace headstock::interp::handlers {
 

@@ -185,14 +185,7 @@ Pull Executor::next(Operation& wanted) {
       if (out_used) return Pull::operation;
       continue;
     }
-    const bool held = pipeline.active();
-    if (held) out = &pipeline.intake();
     const Step result = step();
-    if (held) {
-      pipeline.taken(out_used);
-      out = &wanted;
-      out_used = false;
-    }
     if (pipeline.active()) pipeline.take(*this);
     if (macros != nullptr && macros->variables.has_changes() &&
         (out_used || finished || result != Step::done))

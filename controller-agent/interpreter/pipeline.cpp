@@ -44,19 +44,6 @@ void Pipeline::recycle(EntryPtr entry) {
   if (entry != nullptr) spare_.push_back(std::move(entry));
 }
 
-Operation& Pipeline::intake() {
-  intake_ = fresh();
-  return intake_->op;
-}
-
-void Pipeline::taken(bool used) {
-  if (used) {
-    incoming_.push_back(std::move(intake_));
-  } else {
-    recycle(std::move(intake_));
-  }
-}
-
 // A motion that is run as it is.
 void Pipeline::send_entry(Executor& ex, EntryPtr entry) {
   send(ex, std::move(entry->op));
@@ -89,10 +76,13 @@ void Pipeline::close_line(const AxisVector& end_machine, const AxisVector& end_w
   position_ = end_machine;
 }
 
-Operation& Pipeline::send(Executor& ex, Operation&& op) {
-  if (ex.out_used) return ex.queue.emplace_back(std::move(op));
-  ex.out_used = true;
-  return *ex.out = std::move(op);
+void Pipeline::send(Executor& ex, Operation&& op) {
+  if (!ex.out_used) {
+    ex.out_used = true;
+    *ex.out = std::move(op);
+  } else {
+    ex.queue.push_back(std::move(op));
+  }
 }
 
 void Pipeline::raise(Executor& ex, AlarmReason reason, const SourcePosition& at, std::uint32_t column,

@@ -95,11 +95,6 @@ class Pipeline {
   /// The plane's axes and the tool of the block being carried out.
   CompensationMode mode_of(const Executor& ex) const;
 
-  /// Where the next block's first operation is made while active(), so that it need not be copied; then
-  /// taken().
-  Operation& intake();
-  /// @param used whether an operation was made there
-  void taken(bool used);
   /// Takes all that the block emitted and gives the Executor what may go on.
   void take(Executor& ex);
 
@@ -152,7 +147,7 @@ class Pipeline {
   };
   const Settings& settings(const Executor& ex) const;
 
-  Operation& send(Executor& ex, Operation&& op);
+  void send(Executor& ex, Operation&& op);
   void raise(Executor& ex, dialects::AlarmReason reason, const SourcePosition& at, std::uint32_t column,
              std::string detail);
 
@@ -161,7 +156,6 @@ class Pipeline {
   bool stopped_ = false;   ///< an alarm was raised here
   AxisVector position_{};  ///< end of the last motion read, as programmed
   std::vector<EntryPtr> incoming_, spare_;
-  EntryPtr intake_;
 
   mutable Settings settings_;
 

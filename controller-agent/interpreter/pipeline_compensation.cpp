@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "interpreter/executor.hpp"
+#include "interpreter/offset_memory.hpp"
 #include "interpreter/pipeline.hpp"
 #include "interpreter/pipeline_entry.hpp"
 #include "interpreter/pipeline_motion.hpp"
@@ -310,8 +311,8 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
     run.sweep = comp::arc(run.from, run.to, run.center, run.turn).sweep;
     set_arc(ex, previous_->op, mode, run, mode.tip);
   }
-  // Displaced where it stands then: what was just written is slow to copy.
-  displace(ex, *motion_in(send(ex, std::move(previous_->op))), mode, first);
+  displace(ex, *motion_in(previous_->op), mode, first);
+  send(ex, std::move(previous_->op));
   has_previous_ = false;
 
   const Point tip = mode.tip;

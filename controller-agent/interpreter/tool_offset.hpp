@@ -36,12 +36,6 @@ void grow(Executor& ex, std::size_t axis, double slide_mm);
 double to_slide(const Executor& ex, std::size_t axis, double page, bool wear);
 double to_page(const Executor& ex, std::size_t axis, double slide_mm, bool wear);
 
-/// A mill's offset memory with one value a number (0i-M memory A, NGW): the same number's value is a length
-/// behind H and a radius behind D; nothing is wear.
-bool one_value(const Executor& ex);
-/// What H and D of a mill's offset number mean [mm]; 0 for a number that has none.
-double length_value(const Executor& ex, std::int64_t number);
-double radius_value(const Executor& ex, std::int64_t number);
 /// Whether the axis takes length offsets (K2000TC OFL).
 bool counts_on(const Executor& ex, std::size_t axis);
 /// The slides make up for an offset that changed by movement, in a block without axis words: in G00 and in
