@@ -259,15 +259,20 @@ std::string Agent::panel(const std::string& request) {
     spdlog::info("{} at the panel: {}", text("name"), result.accepted ? "written" : "refused, " + result.reason);
     return answer_json({result.accepted, result.reason}).dump();
   }
+  if (verb == "touch") {
+    const auto result = desk_->touch_here(text("name"));
+    spdlog::info("{} touched at the panel: {}", text("name"), result.accepted ? "written" : "refused, " + result.reason);
+    return answer_json({result.accepted, result.reason}).dump();
+  }
   if (verb == "get_value") {
     const auto value = desk_->value_here(text("name"));
     if (!value) return answer_json({false, "bad_place"}).dump();
     return json{{"accepted", true}, {"reason", ""}, {"value", *value ? json(**value) : json(nullptr)}}.dump();
   }
   if (verb == "parameter_write") {
-    desk_->parameter_write(asked.value("value", json(0)) != json(0));
+    const auto result = desk_->parameter_write(asked.value("value", json(0)) != json(0));
     spdlog::warn("parameters may be written: {}", desk_->parameter_write());
-    return answer_json({true, {}}).dump();
+    return answer_json(result).dump();
   }
   if (verb == "load") {
     const std::string file = text("file");

@@ -88,6 +88,12 @@ void DataDesk::write(const json& body, Done done) {
   committed();
 }
 
+operation::CommandResult DataDesk::parameter_write(bool on) {
+  auto result = controller_.set_parameter_write(on);
+  if (result.accepted) parameter_write_ = on;
+  return result;
+}
+
 void DataDesk::committed() {
   if (waiting_.empty()) return;
   const interp::MachineData stored = read_data(spool_, controller_.machine(), Variables::all);
@@ -127,6 +133,17 @@ operation::EditResult DataDesk::write_here(const std::string& assignment, const 
   request.origin = origin;
   request.parameter_write = parameter_write_;
   return controller_.edit_values(request);
+}
+
+operation::EditResult DataDesk::touch_here(const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == assignment.npos || equals == 0) return {false, "bad_request", assignment, 0};
+  const std::string number = assignment.substr(equals + 1);
+  char* end = nullptr;
+  const double place = std::strtod(number.c_str(), &end);
+  if (number.empty() || end != number.c_str() + number.size() || !std::isfinite(place))
+    return {false, "bad_value", assignment, 0};
+  return controller_.touch({assignment.substr(0, equals), place, {}});
 }
 
 std::optional<std::optional<double>> DataDesk::value_here(const std::string& what) const {

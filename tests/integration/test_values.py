@@ -69,6 +69,20 @@ class Values(ShopTest):
         self.assertEqual(self.value(agent, WEAR), 0.02)
         self.assertEqual(len(self.history(agent, WEAR)), 1, "a restart is no change")
 
+    def test_a_touched_place_becomes_an_offset(self):
+        agent = self.agent()
+        what = "tool/3/geometry/X"
+        self.write(agent, WEAR, 0.02)
+        shown = agent.status()["absolute"][0]
+        agent.panel("touch", f"{what}={shown - 12.5}")
+        newest = eventually(lambda: self.history(agent, what), "history")[0]
+        self.assertEqual((newest["origin"], newest["before"]), ("measurement", 0))
+        self.assertAlmostEqual(newest["after"], 12.5, 6)
+        self.assertEqual(self.history(agent, WEAR)[0]["after"], 0, "the measured offset has no wear")
+        with self.assertRaises(OSError):
+            agent.panel("touch", "work/G57/X=0")  # another system is in force
+        self.assertAlmostEqual(self.on_machine(agent, what), 12.5, 6)
+
     def test_two_people_on_one_offset(self):
         agent = self.agent()
         self.write(agent, WEAR, 0.02)
@@ -112,6 +126,12 @@ class Values(ShopTest):
         done = self.setter.post(f"/machines/{agent.id}/values", {
             "values": [{"what": "parameter/6713", "before": None, "after": 50}]})
         self.assertEqual(done["state"], "done")
+        self.assertEqual([one["code"] for one in eventually(lambda: agent.live()["alarms"], "the open switch is an alarm")], ["SW0100"])
+        agent.panel("reset")
+        self.assertEqual([one["code"] for one in agent.status()["alarms"]], ["SW0100"], "as long as it is on")
+        agent.panel("parameter-write", "off")
+        agent.panel("reset")
+        eventually(lambda: not agent.live()["alarms"], "off and reset")
         self.refused("other_profile", lambda: self.setter.post(f"/machines/{agent.id}/values/sheet", {
             "text": "# Headstock; profile gsk-2000tc; unit mm\nnumber,X\n1,1\n"}))
         self.refused("other_unit", lambda: self.setter.post(f"/machines/{agent.id}/values/sheet", {
@@ -186,6 +206,8 @@ class Values(ShopTest):
         done = self.setter.post(f"/machines/{agent.id}/values", {"values": [
             {"what": "parameter/8132#0", "before": None, "after": 1}]})
         self.assertEqual(done["state"], "done")
+        agent.panel("parameter-write", "off")
+        agent.panel("reset")
         group = [("unit", 0), ("life", 3), ("tool/0", 1), ("offset/0", 1)]
         done = self.setter.post(f"/machines/{agent.id}/values", {"values": [
             {"what": f"tool_life/1/{field}", "before": None, "after": value} for field, value in group]})
