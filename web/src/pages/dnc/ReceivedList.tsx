@@ -23,7 +23,7 @@ export function ReceivedList({ ports, onChanged }: { ports: Port[]; onChanged: (
       {value?.length === 0 && <div className="empty small">{t("dnc.received_none")}</div>}
       <table className="table"><tbody>{value?.map((row) => (
         <tr key={row.id} data-received={row.id} data-state={row.state}>
-          <td className="dim">{moment(row.at)}</td><td>{name(row.port)}</td><td>{t(`dnc.what_${row.kind}`)}</td><td><b>{row.name}</b> <span className="dim">{row.comment}</span></td>
+          <td className="dim">{moment(row.at)}</td><td>{name(row.port)}</td><td>{t(`dnc.what_${row.kind}`)}</td><td>{row.name !== row.kind && <b>{row.name}</b>} <span className="dim">{row.comment}</span></td>
           <td>{row.classes.map((one) => <span key={one} className={`chip ${classTone[one as DiffClass] ?? ""}`}>{t(`class.${one}`)}</span>)}</td>
           <td><span className={`chip ${row.state === "waiting" ? "warn" : row.state === "rejected" ? "" : "good"}`}>{t(`dnc.received_${row.state}`)}</span></td>
           <td className="row-actions"><Button small data-action="look" onClick={() => setShown(row)}>{t("dnc.look")}</Button></td></tr>))}</tbody></table>
@@ -51,7 +51,7 @@ function Decide({ row, onClose }: { row: Received; onClose: () => void }) {
     onClose();
   });
   return (
-    <Dialog title={`${t(`dnc.what_${row.kind}`)} ${row.name}`} name="received" wide onClose={onClose} actions={open ? <>
+    <Dialog title={[t(`dnc.what_${row.kind}`), row.name !== row.kind && row.name].filter(Boolean).join(" ")} name="received" wide onClose={onClose} actions={open ? <>
       <Button busy={busy} data-action="reject" onClick={reject}>{t("dnc.reject")}</Button>
       {may && <Button kind="primary" busy={busy} data-action="accept" onClick={accept}>{t(data ? "dnc.accept_data" : "dnc.accept")}</Button>}</> : <Button onClick={onClose}>{t("common.close")}</Button>}>
       {!row.closed && <Note kind="warn">{t("dnc.received_open")}</Note>}
