@@ -11,6 +11,7 @@
 #include "interpreter/data_values.hpp"
 #include "server/access/audit.hpp"
 #include "server/fleet/values.hpp"
+#include "server/fleet/writing_order.hpp"
 
 namespace headstock::fleet {
 namespace {
@@ -31,6 +32,20 @@ db::ValueRequestRow require_request(db::Database& db, std::int64_t id) {
   auto row = db::value_request(db, id);
   if (!row) throw db::Refusal("not_found", access::subject("request", id));
   return *row;
+}
+
+db::ValueRequestRow require_waiting(db::Database& db, std::int64_t id) {
+  db::ValueRequestRow row = require_request(db, id);
+  if (row.state != "waiting") throw db::Refusal("already_decided", access::subject("request", id));
+  return row;
+}
+
+/// A whole group of tool life goes with its life, what is known of a tool with the tool.
+bool is_taken_off_by_itself(std::string_view what, const db::MachineValues& wanted) {
+  const LifePlace place = life_place(what);
+  if (place.group == 0) return true;
+  const bool group_stays = wanted.contains("tool_life/" + std::to_string(place.group) + "/life");
+  return group_stays ? place.field == "tool" : place.field == "life";
 }
 
 }  // namespace
@@ -82,8 +97,7 @@ db::ValueRequestRow ask_values(db::Database& db, const Actor& actor, const NewVa
 db::ValueRequestRow agree(db::Database& db, const Actor& actor, std::int64_t id, std::int64_t now_ms) {
   demand(actor, Action::edit_offsets);
   db::Transaction transaction(db);
-  db::ValueRequestRow row = require_request(db, id);
-  if (row.state != "waiting") throw db::Refusal("already_decided", access::subject("request", id));
+  db::ValueRequestRow row = require_waiting(db, id);
   if (row.by == actor.user) throw db::Refusal("same_person", row.by);
   row.state = "sending";
   row.second = actor.user;
@@ -98,8 +112,7 @@ db::ValueRequestRow agree(db::Database& db, const Actor& actor, std::int64_t id,
 db::ValueRequestRow withdraw(db::Database& db, const Actor& actor, std::int64_t id, std::int64_t now_ms) {
   demand(actor, Action::edit_offsets);
   db::Transaction transaction(db);
-  db::ValueRequestRow row = require_request(db, id);
-  if (row.state != "waiting") throw db::Refusal("already_decided", access::subject("request", id));
+  db::ValueRequestRow row = require_waiting(db, id);
   row.state = "withdrawn";
   row.second = actor.user;
   row.ended_ms = now_ms;
@@ -229,7 +242,8 @@ Difference difference(db::Database& db, std::int64_t machine, const db::MachineV
   };
   for (const auto& [what, value] : wanted) consider(what, value);
   for (const auto& [what, value] : db::machine_values(db, machine))
-    if (!wanted.contains(what)) consider(what, std::nullopt);
+    if (!wanted.contains(what) && is_taken_off_by_itself(what, wanted)) consider(what, std::nullopt);
+  put_in_writing_order(result.items);
   return result;
 }
 
