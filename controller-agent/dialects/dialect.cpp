@@ -190,8 +190,9 @@ std::span<const std::string_view> dialect_names() {
 
 const Dialect* find(std::string_view profile) {
   static const std::array<Dialect, std::size(kProfiles)> dialects = [] {
-    std::array<Dialect, std::size(kProfiles)> made = {make_fanuc_0i_t(), make_fanuc_0i_m(), make_gsk_2000tc(),
-                                                      make_gsk_218t(),   make_k2000tc(),    make_lathe_200t()};
+    std::array<Dialect, std::size(kProfiles)> made = {make_fanuc_0i_t(), make_fanuc_0i_m(),
+                                                      make_gsk_2000tc(), make_gsk_218t(),
+                                                      make_k2000tc(),    make_lathe_200t()};
     for (Dialect& dialect : made) set_path_rules(dialect);
     return made;
   }();

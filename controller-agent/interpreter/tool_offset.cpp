@@ -33,11 +33,6 @@ Way way_of(const Executor& ex) {
   return {!shift, !shift};
 }
 
-bool has_offsets(const Executor& ex, std::size_t axis) {
-  const auto& parameter = ex.dialect.tool_offsets.axis_parameter;
-  return parameter.empty() || ex.data.parameter(std::string(parameter) + '/' + ex.axes[axis].name, 1) != 0;
-}
-
 // The zero point under the standing slide. A way that the slide has still to make up for stays.
 void shift(Executor& ex, std::size_t axis, double by) {
   if (std::fabs(by) < kNothing_mm) return;
@@ -104,6 +99,12 @@ bool take_h_word(Executor& ex) {
   std::int64_t number = ex.whole('H', AlarmReason::offset_number);
   if (number < 0 || !tool_life::take_offset(ex, 'H', number, column)) return false;
   if (number > most(ex)) return ex.alarm(AlarmReason::offset_number, column, "H");
+  if (const ToolOffset* tool = row(ex, number); tool != nullptr) {
+    const auto z = ex.axis_named('Z');
+    const double largest = ex.dialect.modes.largest_offset;
+    if (z && (std::fabs(tool->geometry[*z]) > largest || std::fabs(tool->wear[*z]) > largest))
+      return ex.alarm(AlarmReason::offset_value, column, "H");
+  }
   ex.length_offset = number;
   return true;
 }
@@ -114,6 +115,11 @@ void show_number(Executor& ex) {
 }
 
 }  // namespace
+
+bool counts_on(const Executor& ex, std::size_t axis) {
+  const auto& parameter = ex.dialect.tool_offsets.axis_parameter;
+  return parameter.empty() || ex.data.parameter(std::string(parameter) + '/' + ex.axes[axis].name, 1) != 0;
+}
 
 std::int64_t most(const Executor& ex) {
   const auto& rules = ex.dialect.tool_offsets;
@@ -143,7 +149,11 @@ bool take(Executor& ex, std::int64_t geometry, std::int64_t wear, std::uint32_t 
   const bool cuts_arc = is_arc(*ex.motion_code) && ex.action == nullptr &&
                         (ex.block.words & (ex.axis_letters | program::letters("IJKR"))) != 0;
   for (std::size_t i = 0; i < ex.axes.size(); ++i) {
-    const bool counts = has_offsets(ex, i);
+    const bool counts = counts_on(ex, i);
+    const double largest = ex.dialect.modes.largest_offset;
+    if ((shape != nullptr && std::fabs(shape->geometry[i]) > largest) ||
+        (worn != nullptr && std::fabs(worn->wear[i]) > largest))
+      return ex.alarm(AlarmReason::offset_value, column, std::string(1, ex.axes[i].name));
     const double g = counts && shape != nullptr ? sign * to_slide(ex, i, shape->geometry[i], false) : 0;
     const double w = counts && worn != nullptr ? sign * to_slide(ex, i, worn->wear[i], true) : 0;
     const double by_move = (way.geometry_moves ? g : 0) + (way.wear_moves ? w : 0);

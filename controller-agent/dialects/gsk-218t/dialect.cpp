@@ -34,6 +34,7 @@ Dialect make_gsk_218t() {
   d.numbers.pointed = letters("FIJKPQRUWXZ");
   d.numbers.negative = letters("IKRUWXZ");
   d.modes.inch_parameter = "P001.6";
+  d.modes.largest_offset = 9'999.999;
   d.modes.x_radius_parameter = "P001.2";
   d.arcs.negative_r = false;
   d.arcs.r_and_center_is_alarm = true;
