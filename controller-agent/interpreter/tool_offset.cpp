@@ -5,6 +5,7 @@
 
 #include "interpreter/executor.hpp"
 #include "interpreter/handlers.hpp"
+#include "interpreter/offset_memory.hpp"
 
 namespace headstock::interp::tool_offset {
 namespace {
@@ -55,14 +56,8 @@ bool is_arc(const GCode& code) {
   return code.tenths == 20 || code.tenths == 30;
 }
 
-double length_of(const Executor& ex) {
-  const ToolOffset* tool = row(ex, ex.length_offset);
-  const auto z = ex.axis_named('Z');
-  return tool != nullptr && z ? tool->geometry[*z] + tool->wear[*z] : 0;
-}
-
 void hold_length(Executor& ex, std::size_t axis) {
-  const double wanted = ex.length_sign * length_of(ex);
+  const double wanted = ex.length_sign * length_value(ex, ex.length_offset);
   const double by = wanted - ex.axes[axis].zero_tool;
   ex.tool_offset.length_axes = ex.length_sign != 0 ? ex.tool_offset.length_axes | 1u << axis
                                                    : ex.tool_offset.length_axes & ~(1u << axis);
@@ -115,6 +110,23 @@ void show_number(Executor& ex) {
 }
 
 }  // namespace
+
+bool one_value(const Executor& ex) {
+  return !ex.dialect.tools.lathe && ex.data.bit(ex.dialect.tool_offsets.single_parameter);
+}
+
+double length_value(const Executor& ex, std::int64_t number) {
+  const ToolOffset* tool = row(ex, number);
+  const auto z = ex.axis_named('Z');
+  if (tool == nullptr || !z) return 0;
+  return tool->geometry[*z] + (one_value(ex) ? 0 : tool->wear[*z]);
+}
+
+double radius_value(const Executor& ex, std::int64_t number) {
+  const ToolOffset* tool = row(ex, number);
+  if (tool == nullptr) return 0;
+  return one_value(ex) ? length_value(ex, number) : tool->radius + tool->radius_wear;
+}
 
 bool counts_on(const Executor& ex, std::size_t axis) {
   const auto& parameter = ex.dialect.tool_offsets.axis_parameter;
