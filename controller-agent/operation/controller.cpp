@@ -325,7 +325,7 @@ CommandResult Controller::Impl::start_run(Selection& chosen) {
   retrace.forget();
   interpreter.start(windowed(std::move(source), main_window), feed.position());
   realtime.rapid_f0 = rapid_f0();
-  feed.set_rules({dry_run, data.parameter("1410", FeedRules{}.dry_run_mm_min)});
+  feed.set_rules({dry_run, data.parameter("1410", FeedRules{}.dry_run_mm_min), SpeedLimits::read(machine, data)});
   clear_alarms(true);
   message.clear();
   await = Await::nothing;
