@@ -128,6 +128,7 @@ class Pipeline {
   comp::OffsetRules offset_rules(const Executor& ex) const;
 
   void send(Executor& ex, Operation&& op);
+  static bool too_far(const Executor& ex, const Motion& motion);
   void raise(Executor& ex, dialects::AlarmReason reason, const SourcePosition& at, std::uint32_t column,
              std::string detail);
 

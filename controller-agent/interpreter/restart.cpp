@@ -37,6 +37,7 @@ Pull Executor::run_through() {
   while (restarting) {
     out = &thrown;
     out_used = false;
+    at_standstill = true;  // nothing is handed out, so nothing is waited for
     if (cycle.running != nullptr) {
       if (!cycle.running->next(*this)) {
         cycle.running.reset();
@@ -58,7 +59,10 @@ Pull Executor::run_through() {
       leave_program();
       return Pull::finished;
     }
-    if (!finished && !restart_run.reached) continue;
+    if (!finished && !restart_run.reached) {
+      if (steps % 1'024 == 0 && environment->wants_pause()) return Pull::pause;
+      continue;
+    }
 
     restarting = false;
     restart_run.state.position = machine_now;
