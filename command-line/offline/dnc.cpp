@@ -10,6 +10,7 @@
 
 #include "offline/offline.hpp"
 #include "protocol/serial/port/line.hpp"
+#include "protocol/serial/port/prompt_thread.hpp"
 #include "protocol/serial/protocols.hpp"
 #include "protocol/tape/punch.hpp"
 
@@ -97,6 +98,7 @@ class Session {
  public:
   Session(const Options& options, const LinkSettings& settings, const serial::PortAddress& address)
       : options_(options), settings_(settings) {
+    serial::serve_promptly();
     serial::LineCallbacks callbacks;
     callbacks.opened = [this] { opened_ = true, io_.stop(); };
     callbacks.closed = [this](const std::string& reason, const std::string& text) {

@@ -265,9 +265,9 @@ std::string Agent::panel(const std::string& request) {
     return json{{"accepted", true}, {"reason", ""}, {"value", *value ? json(**value) : json(nullptr)}}.dump();
   }
   if (verb == "parameter_write") {
-    desk_->parameter_write(asked.value("value", json(0)) != json(0));
+    const auto result = desk_->parameter_write(asked.value("value", json(0)) != json(0));
     spdlog::warn("parameters may be written: {}", desk_->parameter_write());
-    return answer_json({true, {}}).dump();
+    return answer_json(result).dump();
   }
   if (verb == "load") {
     const std::string file = text("file");

@@ -88,6 +88,12 @@ void DataDesk::write(const json& body, Done done) {
   committed();
 }
 
+operation::CommandResult DataDesk::parameter_write(bool on) {
+  auto result = controller_.set_parameter_write(on);
+  if (result.accepted) parameter_write_ = on;
+  return result;
+}
+
 void DataDesk::committed() {
   if (waiting_.empty()) return;
   const interp::MachineData stored = read_data(spool_, controller_.machine(), Variables::all);

@@ -31,8 +31,9 @@ class DataDesk {
   operation::EditResult write_here(const std::string& assignment, const std::string& origin);
   /// As the controller has it now; nothing inside: not set; nothing at all: the machine has no such value.
   std::optional<std::optional<double>> value_here(const std::string& what) const;
-  /// The switch at the machine that lets parameters be written; off after every start.
-  void parameter_write(bool on) { parameter_write_ = on; }
+  /// The switch at the machine that lets parameters be written; off after every start. While it is on the control is in
+  /// its alarm for that. Refused: "running".
+  operation::CommandResult parameter_write(bool on);
   bool parameter_write() const { return parameter_write_; }
 
   /// Something was committed to the spool.

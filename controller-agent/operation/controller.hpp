@@ -278,6 +278,9 @@ class Controller {
   /// Writes values by name, all of them or none, if the controller's rules allow it now (dialects/data_rules)
   /// and each still has the value that the person saw. See operation/data_edit.hpp.
   EditResult edit_values(const EditRequest& request);
+  /// The switch at the machine that lets parameters be written (EditRequest::parameter_write is its place). On: the
+  /// control's alarm for it (0i-D SW0100, GSK 100), which RESET clears once the switch is off again. Refused: "running".
+  CommandResult set_parameter_write(bool on);
 
   // ---- storage thread: take events, commit them, then say so (the part count's M30 is finished only after
   // that)

@@ -90,6 +90,8 @@ struct Controller::Impl {
   void go_on();
   double rapid_f0() const;
   EditResult edit_values(const EditRequest& request);  // data_edit.cpp
+  CommandResult set_parameter_write(bool on);          // parameter_switch.cpp
+  bool stays_until_switched_off(const ActiveAlarm& alarm) const;
   bool emergency_braking() const { return emergency && phase == Phase::aborting; }
   bool busy() const {
     return phase == Phase::running || phase == Phase::stopped || phase == Phase::aborting ||
@@ -233,6 +235,7 @@ struct Controller::Impl {
   bool polygon_on = false, polygon_let_go = false;
   Retained retained;
   std::vector<ActiveAlarm> alarms;
+  bool parameter_write = false;  // the switch of parameter_switch.cpp
   std::string message;
 
   // the run under way

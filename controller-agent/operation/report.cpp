@@ -44,7 +44,7 @@ void Controller::Impl::raise(const std::string& code, const std::string& detail,
 
 void Controller::Impl::clear_alarms(bool messages_only) {
   std::erase_if(alarms, [&](const ActiveAlarm& alarm) {
-    if (messages_only && !alarm.message) return false;
+    if ((messages_only && !alarm.message) || stays_until_switched_off(alarm)) return false;
     emit(AlarmCleared{alarm.id});
     return true;
   });

@@ -1,5 +1,7 @@
 #include "server/dnc/port_line.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <atomic>
 #include <boost/asio/co_spawn.hpp>
@@ -9,6 +11,7 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <utility>
 
+#include "protocol/serial/port/prompt_thread.hpp"
 #include "protocol/tape/code.hpp"
 
 namespace headstock::dnc {
@@ -22,7 +25,14 @@ constexpr auto kOpenAgain = std::chrono::seconds(5);
 
 }  // namespace
 
-LineThread::LineThread() : work_(io_.get_executor()), thread_([this] { io_.run(); }) {}
+LineThread::LineThread() : work_(io_.get_executor()) {
+  thread_ = std::thread([this] {
+    if (!serial::serve_promptly())
+      spdlog::info(
+          "lines have no priority on this computer (RTPRIO limit): a DC3 may wait behind other work");
+    io_.run();
+  });
+}
 
 LineThread::~LineThread() {
   work_.reset();
@@ -182,7 +192,8 @@ struct PortLine::Impl : std::enable_shared_from_this<Impl> {
   void idle(std::string_view bytes) {
     if (!listens || !line || line->busy()) return;
     // A control that asks, or stops asking, while nothing is to be sent: no punch begins with that.
-    if (std::ranges::all_of(bytes, [](char c) { return (c & 0x7F) == tape::dc1 || (c & 0x7F) == tape::dc3; })) return;
+    if (std::ranges::all_of(bytes, [](char c) { return (c & 0x7F) == tape::dc1 || (c & 0x7F) == tape::dc3; }))
+      return;
     // The rest of a punch that was too much is not the beginning of the next one.
     const auto now = serial::Clock::now();
     const bool still =

@@ -8,6 +8,7 @@
 #include "protocol/tape/machine_data.hpp"
 #include "protocol/tape/punch.hpp"
 #include "server/access/audit.hpp"
+#include "server/dnc/punched_values.hpp"
 #include "server/library/programs.hpp"
 
 namespace headstock::dnc {
@@ -40,8 +41,10 @@ db::ReceivedRow decide(db::Database& db, const access::Actor& actor, std::int64_
   return *row;
 }
 
-void keep_data(db::Database& db, const db::Blobs& blobs, const db::ReceivedRow& row,
-               const access::Actor& actor, std::int64_t now_ms) {
+/// The set is kept as it came; what the machine's pages know of is handed to them.
+fleet::PunchedOutcome keep_data(db::Database& db, const db::Blobs& blobs, const db::ReceivedRow& row,
+                                const access::Actor& actor, const Decision& decision, std::int64_t now_ms) {
+  const auto text = blobs.map(row.sha256);
   db::PunchedDataRow data;
   data.received = row.id;
   data.port = row.port;
@@ -49,11 +52,23 @@ void keep_data(db::Database& db, const db::Blobs& blobs, const db::ReceivedRow& 
   data.kind = row.kind;
   data.name = row.name;
   data.sha256 = row.sha256;
-  data.entries = static_cast<std::int64_t>(tape::machine_data(blobs.map(row.sha256)->view()).size());
+  data.entries = static_cast<std::int64_t>(tape::machine_data(text->view()).size());
   data.by = actor.user;
   data.punched_ms = row.at_ms;
   data.accepted_ms = now_ms;
   db::insert_punched_data(db, data);
+  if (row.machine == 0) return {};
+  fleet::PunchedSet set;
+  set.machine = row.machine;
+  set.punch = row.id;
+  set.at_ms = row.at_ms;
+  set.why = decision.why;
+  set.write = decision.write;
+  auto read = punched_values(fleet::machine_pages(db, row.machine), text->view());
+  set.values = std::move(read.values);
+  auto outcome = fleet::take_punched(db, actor, set, now_ms);
+  outcome.without_place += read.not_read;
+  return outcome;
 }
 
 }  // namespace
@@ -138,28 +153,30 @@ std::vector<std::int64_t> keep(db::Database& db, const db::Blobs& blobs, Punch p
   return ids;
 }
 
-db::ReceivedRow accept(db::Database& db, const db::Blobs& blobs, const access::Actor& actor, std::int64_t id,
-                       const std::string& why, std::int64_t now_ms) {
+Acceptance accept(db::Database& db, const db::Blobs& blobs, const access::Actor& actor, std::int64_t id,
+                  const Decision& decision, std::int64_t now_ms) {
   access::demand(actor, access::Action::upload_program);
   db::Transaction transaction(db);
-  auto row = decide(db, actor, id, "accepted", why, now_ms);
+  Acceptance made{decide(db, actor, id, "accepted", decision.why, now_ms), {}};
+  db::ReceivedRow& row = made.row;
   if (row.kind == "program") {
     const auto blob = db::blob(db, row.sha256);
     if (!blob) throw db::Refusal("damaged_content", row.sha256);
     const std::string origin = std::string(row.machine != 0 ? "machine:" : "port:")
                                    .append(std::to_string(row.machine != 0 ? row.machine : row.port));
-    const auto added = library::add_revision(db, actor, {row.folder, row.name}, *blob,
-                                             why.empty() ? "from machine" : why, origin, now_ms);
+    const auto added =
+        library::add_revision(db, actor, {row.folder, row.name}, *blob,
+                              decision.why.empty() ? "from machine" : decision.why, origin, now_ms);
     row.program = added.program.id;
   } else {
-    keep_data(db, blobs, row, actor, now_ms);
+    made.values = keep_data(db, blobs, row, actor, decision, now_ms);
   }
   transaction.commit();
-  return row;
+  return made;
 }
 
-db::ReceivedRow reject(db::Database& db, const db::Blobs&, const access::Actor& actor, std::int64_t id,
-                       const std::string& why, std::int64_t now_ms) {
+db::ReceivedRow reject(db::Database& db, const access::Actor& actor, std::int64_t id, const std::string& why,
+                       std::int64_t now_ms) {
   access::demand(actor, access::Action::upload_program);
   db::Transaction transaction(db);
   auto row = decide(db, actor, id, "rejected", why, now_ms);

@@ -6,6 +6,7 @@
 
 #include "server/fleet/counts.hpp"
 #include "server/fleet/event_body.hpp"
+#include "server/fleet/event_times.hpp"
 #include "server/fleet/states.hpp"
 #include "server/fleet/values.hpp"
 
@@ -158,14 +159,14 @@ Intake take_in(db::Database& db, std::int64_t machine, const std::string& spool,
 
   db::Transaction transaction(db);
   const std::int64_t last = db::spool_sequence(db, machine, spool, now_ms);
+  EventTimes times(db, machine, spool, now_ms);
   for (const json* event : in_order) {
     db::EventRow row;
     row.machine = machine;
     row.spool = spool;
     row.sequence = integer(*event, "seq");
     if (row.sequence <= last) continue;
-    row.at_ms = integer(*event, "at_ms");
-    if (row.at_ms <= 0) row.at_ms = now_ms;
+    row.at_ms = times.of(row.sequence, integer(*event, "at_ms"));
     row.received_ms = now_ms;
     row.kind = text(*event, "kind");
     row.body = event->dump(-1, ' ', false, json::error_handler_t::replace).substr(0, kLongestBody);
@@ -176,6 +177,7 @@ Intake take_in(db::Database& db, std::int64_t machine, const std::string& spool,
   hold_against_each_other(db, machine, spool, last, static_cast<std::int64_t>(intake.sequence),
                           intake.raised);
   if (intake.offsets_changed) rebuild_offsets(db, machine, now_ms);
+  times.tell(intake.raised, intake.cleared);
   transaction.commit();
   return intake;
 }

@@ -11,6 +11,7 @@
 #include "interpreter/data_values.hpp"
 #include "server/access/audit.hpp"
 #include "server/fleet/values.hpp"
+#include "server/fleet/writing_order.hpp"
 
 namespace headstock::fleet {
 namespace {
@@ -31,6 +32,20 @@ db::ValueRequestRow require_request(db::Database& db, std::int64_t id) {
   auto row = db::value_request(db, id);
   if (!row) throw db::Refusal("not_found", access::subject("request", id));
   return *row;
+}
+
+db::ValueRequestRow require_waiting(db::Database& db, std::int64_t id) {
+  db::ValueRequestRow row = require_request(db, id);
+  if (row.state != "waiting") throw db::Refusal("already_decided", access::subject("request", id));
+  return row;
+}
+
+/// A whole group of tool life goes with its life, what is known of a tool with the tool.
+bool is_taken_off_by_itself(std::string_view what, const db::MachineValues& wanted) {
+  const LifePlace place = life_place(what);
+  if (place.group == 0) return true;
+  const bool group_stays = wanted.contains("tool_life/" + std::to_string(place.group) + "/life");
+  return group_stays ? place.field == "tool" : place.field == "life";
 }
 
 }  // namespace
@@ -82,8 +97,7 @@ db::ValueRequestRow ask_values(db::Database& db, const Actor& actor, const NewVa
 db::ValueRequestRow agree(db::Database& db, const Actor& actor, std::int64_t id, std::int64_t now_ms) {
   demand(actor, Action::edit_offsets);
   db::Transaction transaction(db);
-  db::ValueRequestRow row = require_request(db, id);
-  if (row.state != "waiting") throw db::Refusal("already_decided", access::subject("request", id));
+  db::ValueRequestRow row = require_waiting(db, id);
   if (row.by == actor.user) throw db::Refusal("same_person", row.by);
   row.state = "sending";
   row.second = actor.user;
@@ -98,8 +112,7 @@ db::ValueRequestRow agree(db::Database& db, const Actor& actor, std::int64_t id,
 db::ValueRequestRow withdraw(db::Database& db, const Actor& actor, std::int64_t id, std::int64_t now_ms) {
   demand(actor, Action::edit_offsets);
   db::Transaction transaction(db);
-  db::ValueRequestRow row = require_request(db, id);
-  if (row.state != "waiting") throw db::Refusal("already_decided", access::subject("request", id));
+  db::ValueRequestRow row = require_waiting(db, id);
   row.state = "withdrawn";
   row.second = actor.user;
   row.ended_ms = now_ms;
@@ -127,7 +140,8 @@ db::ValueRequestRow finish_request(db::Database& db, std::int64_t id, const json
     agrees &= same_as_shown(item.read_back, item.after);
   }
   const bool all_read = std::ranges::all_of(row.items, &db::ValueItem::was_read);
-  // Another change (a G10, a measurement) was on the disk behind this one before it was read: both are in the history.
+  // Another change (a G10, a measurement) was on the disk behind this one before it was read: both are in the
+  // history.
   agrees |= answer.value("overtaken", false);
   if (answer.value("accepted", false)) {
     // Done is what was read back from the machine's disk, nothing less.
@@ -228,13 +242,17 @@ Difference difference(db::Database& db, std::int64_t machine, const db::MachineV
   };
   for (const auto& [what, value] : wanted) consider(what, value);
   for (const auto& [what, value] : db::machine_values(db, machine))
-    if (!wanted.contains(what)) consider(what, std::nullopt);
+    if (!wanted.contains(what) && is_taken_off_by_itself(what, wanted)) consider(what, std::nullopt);
+  put_in_writing_order(result.items);
   return result;
 }
 
 asio::awaitable<db::ValueRequestRow> ValueDesk::ask(Actor actor, NewValueRequest request) {
   const auto in_store = [&](db::Database& db) { return ask_values(db, actor, request, db::now_ms()); };
-  db::ValueRequestRow row = co_await store_.run(in_store);
+  co_return co_await carry_out(co_await store_.run(in_store));
+}
+
+asio::awaitable<db::ValueRequestRow> ValueDesk::carry_out(db::ValueRequestRow row) {
   if (row.state == "sending") co_return co_await send(std::move(row));
   changed_(row.machine);
   co_return row;

@@ -79,6 +79,9 @@ class ValueDesk {
   /// Asks and, when one person is enough, writes and reads back.
   boost::asio::awaitable<db::ValueRequestRow> ask(access::Actor actor, NewValueRequest request);
   boost::asio::awaitable<db::ValueRequestRow> agree(access::Actor actor, std::int64_t id);
+  /// Of a request that ask_values has just made in somebody else's transaction: writes it and reads it back,
+  /// unless it waits for a second person.
+  boost::asio::awaitable<db::ValueRequestRow> carry_out(db::ValueRequestRow request);
 
  private:
   boost::asio::awaitable<db::ValueRequestRow> send(db::ValueRequestRow request);

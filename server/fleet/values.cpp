@@ -12,6 +12,7 @@
 #include "machine/machine.hpp"
 #include "server/access/audit.hpp"
 #include "server/fleet/event_body.hpp"
+#include "server/fleet/writing_order.hpp"
 
 namespace headstock::fleet {
 namespace {
@@ -46,16 +47,11 @@ std::vector<std::string> place_in_document(const std::string& what) {
 /// now.
 json fresh_tool_life(const db::MachineValues& values) {
   interp::MachineData data;
-  for (const auto& [what, value] : values)
-    if (what.starts_with("tool_life/") && what.ends_with("/unit"))
+  for (const auto& [what, value] : in_writing_order(values)) {
+    const LifePlace place = life_place(what);
+    if (place.group != 0 && place.field != "used" && place.field != "skipped" && place.field != "current")
       interp::write_value(data, {}, what, value, 0);
-  for (int round = 0; round < 2; ++round)  // lives, then tools in their order
-    for (const auto& [what, value] : values) {
-      const bool life = what.ends_with("/life");
-      if (what.starts_with("tool_life/") && (round == 0) == life && what.find("/used/") == what.npos &&
-          what.find("/skipped/") == what.npos && !what.ends_with("/unit") && !what.ends_with("/current"))
-        interp::write_value(data, {}, what, value, 0);
-    }
+  }
   json document = json::object();
   for (const auto& [number_, group] : data.tool_life.groups) {
     json tools = json::array();
@@ -108,9 +104,10 @@ void record_change(db::Database& db, const db::EventRow& event, const json& told
   change.request = body::integer(told, "request");
   if (change.what.empty()) return;
   // G10 L3 and the life page take whole groups in and out.
-  if (change.what.ends_with("/registered") && change.after.value_or(0) == 0)
+  const LifePlace life = life_place(change.what);
+  if ((life.field == "registered" && change.after.value_or(0) == 0) || (life.field == "life" && !change.after))
     db.execute("DELETE FROM machine_values WHERE machine_id = ? AND what LIKE ?",
-               {change.machine, change.what.substr(0, change.what.size() - std::string_view("registered").size()) + "%"});
+               {change.machine, change.what.substr(0, change.what.size() - life.field.size()) + "%"});
   db::insert_value_change(db, change);
   db::put_value(db, change.machine, change.what, change.after, change.spool, event.sequence, change.at_ms);
   if (change.request <= 0) return;
@@ -232,19 +229,8 @@ MachinePages machine_pages(db::Database& db, std::int64_t id) {
   }
   pages.dialect = dialects::find(row->profile);
   if (pages.dialect == nullptr) throw db::Refusal("bad_profile", row->profile.substr(0, 60));
-  const db::MachineValues values = db::machine_values(db, id);
-  // A tool life group is written by its unit, its life, its tools, then the rest of them.
-  const auto order = [](const std::string& what) {
-    if (!what.starts_with("tool_life/")) return 0;
-    return what.ends_with("/unit")            ? 0
-           : what.ends_with("/life")          ? 1
-           : what.find("/tool/") != what.npos ? 2
-                                              : 3;
-  };
-  for (int round = 0; round < 4; ++round)
-    for (const auto& [what, value] : values)
-      if (order(what) == round)
-        interp::write_value(pages.data, pages.axes, what, value, pages.dialect->tools.most_offsets);
+  for (const auto& [what, value] : in_writing_order(db::machine_values(db, id)))
+    interp::write_value(pages.data, pages.axes, what, value, pages.dialect->tools.most_offsets);
   pages.page = dialects::offset_page(*pages.dialect, pages.data);
   return pages;
 }

@@ -13,6 +13,7 @@
 #include "db/store.hpp"
 #include "db/time.hpp"
 #include "server/access/audit.hpp"
+#include "server/integrations/token_signature.hpp"
 
 namespace headstock::integrations {
 namespace {
@@ -30,7 +31,8 @@ constexpr std::int64_t kClockSlackS = 120;
 }
 
 bool is_trustworthy(const std::string& url) {
-  return url.starts_with("https://") || url.starts_with("http://127.0.0.1:") || url.starts_with("http://localhost:");
+  return url.starts_with("https://") || url.starts_with("http://127.0.0.1:") ||
+         url.starts_with("http://localhost:");
 }
 
 std::size_t collect(char* bytes, std::size_t size, std::size_t count, void* user) {
@@ -85,23 +87,12 @@ std::string url_part(const std::string& text) {
 
 std::string base64_url(const std::string& bytes) {
   std::string out(4 * ((bytes.size() + 2) / 3) + 1, '\0');
-  const int length = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(out.data()),
-                                     reinterpret_cast<const unsigned char*>(bytes.data()), static_cast<int>(bytes.size()));
+  const int length =
+      EVP_EncodeBlock(reinterpret_cast<unsigned char*>(out.data()),
+                      reinterpret_cast<const unsigned char*>(bytes.data()), static_cast<int>(bytes.size()));
   out.resize(static_cast<std::size_t>(length));
   while (!out.empty() && out.back() == '=') out.pop_back();
   for (char& c : out) c = c == '+' ? '-' : c == '/' ? '_' : c;
-  return out;
-}
-
-std::string from_base64_url(std::string text) {
-  for (char& c : text) c = c == '-' ? '+' : c == '_' ? '/' : c;
-  const std::size_t padding = (4 - text.size() % 4) % 4;
-  text.append(padding, '=');
-  std::string out(text.size() / 4 * 3, '\0');
-  const int length = EVP_DecodeBlock(reinterpret_cast<unsigned char*>(out.data()),
-                                     reinterpret_cast<const unsigned char*>(text.data()), static_cast<int>(text.size()));
-  if (length < 0) failed("token");
-  out.resize(static_cast<std::size_t>(length) - std::min<std::size_t>(padding, 2));
   return out;
 }
 
@@ -109,7 +100,8 @@ std::string from_base64_url(std::string text) {
 std::string challenge_of(const std::string& verifier) {
   const std::string hex = db::sha256_hex(verifier);
   std::string bytes;
-  for (std::size_t i = 0; i < hex.size(); i += 2) bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
+  for (std::size_t i = 0; i < hex.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
   return base64_url(bytes);
 }
 
@@ -118,15 +110,18 @@ bool is_for(const json& claims, const std::string& client) {
   if (audience == claims.end()) return false;
   if (audience->is_string()) return audience->get<std::string>() == client;
   // Several: then it must say that we are the party it was made for.
-  return audience->is_array() && std::ranges::find(*audience, json(client)) != audience->end() && text_in(claims, "azp") == client;
+  return audience->is_array() && std::ranges::find(*audience, json(client)) != audience->end() &&
+         text_in(claims, "azp") == client;
 }
 
 }  // namespace
 
 ProviderSettings provider_settings(db::Database& db) {
   const auto of = [&db](const char* key) { return db::setting(db, key).value_or(""); };
-  ProviderSettings settings{of("provider.issuer"), of("provider.client_id"), of("provider.client_secret"), of("provider.label"),
-                            of("provider.create") == "1", access::role_from(of("provider.role")).value_or(access::Role::viewer)};
+  ProviderSettings settings{
+      of("provider.issuer"),        of("provider.client_id"),
+      of("provider.client_secret"), of("provider.label"),
+      of("provider.create") == "1", access::role_from(of("provider.role")).value_or(access::Role::viewer)};
   return settings;
 }
 
@@ -142,19 +137,24 @@ void set_provider(db::Database& db, const access::Actor& actor, const ProviderSe
   db::put_setting(db, "provider.create", settings.create ? "1" : "0");
   db::put_setting(db, "provider.role", std::string(access::to_string(settings.role)));
   access::record(db, actor, "settings.provider", "settings",
-                 {{"issuer", settings.issuer}, {"create", settings.create ? "yes" : "no"}, {"role", std::string(access::to_string(settings.role))}});
+                 {{"issuer", settings.issuer},
+                  {"create", settings.create ? "yes" : "no"},
+                  {"role", std::string(access::to_string(settings.role))}});
   transaction.commit();
 }
 
-Identity identity_of(const std::string& token, const ProviderSettings& settings, const std::string& nonce, std::int64_t now_s) {
+Identity identity_of(const std::string& token, const std::string& key_set, const ProviderSettings& settings,
+                     const std::string& nonce, std::int64_t now_s) {
+  verify_signature(token, key_set);
   const auto first = token.find('.'), second = token.find('.', first + 1);
-  if (first == std::string::npos || second == std::string::npos) failed("token");
-  const json claims = json::parse(from_base64_url(token.substr(first + 1, second - first - 1)), nullptr, false);
+  const json claims =
+      json::parse(from_base64_url(token.substr(first + 1, second - first - 1)), nullptr, false);
   if (!claims.is_object()) failed("token");
   if (text_in(claims, "iss") != settings.issuer) failed("issuer");
   if (!is_for(claims, settings.client_id)) failed("audience");
   const auto expiry = claims.find("exp");
-  if (expiry == claims.end() || !expiry->is_number() || expiry->get<double>() + static_cast<double>(kClockSlackS) < static_cast<double>(now_s))
+  if (expiry == claims.end() || !expiry->is_number() ||
+      expiry->get<double>() + static_cast<double>(kClockSlackS) < static_cast<double>(now_s))
     failed("expired");
   if (nonce.empty() || text_in(claims, "nonce") != nonce) failed("nonce");
   Identity identity;
@@ -168,7 +168,8 @@ Identity identity_of(const std::string& token, const ProviderSettings& settings,
   return identity;
 }
 
-db::UserRow user_of(db::Database& db, const Identity& identity, const ProviderSettings& settings, std::int64_t now_ms) {
+db::UserRow user_of(db::Database& db, const Identity& identity, const ProviderSettings& settings,
+                    std::int64_t now_ms) {
   if (auto known = db::user_external(db, identity.external)) {
     if (known->disabled) throw db::Refusal("wrong_sign_in");
     return *known;
@@ -176,7 +177,8 @@ db::UserRow user_of(db::Database& db, const Identity& identity, const ProviderSe
   if (!settings.create) throw db::Refusal("unknown_person", identity.user);
   db::UserRow row;
   for (const char c : identity.user)
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-' || c == '_' || c == '@') row.user += c;
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-' || c == '_' || c == '@')
+      row.user += c;
   if (row.user.empty()) row.user = "person";
   row.user.resize(std::min<std::size_t>(row.user.size(), 56));
   // Never somebody who is here already: a name at the provider is no proof of being that person.
@@ -206,12 +208,16 @@ awaitable<SignInProvider::Begun> SignInProvider::begin(std::string return_addres
   const auto now = db::now_ms();
   std::erase_if(open_, [now](const auto& one) { return one.second.until_ms < now; });
   if (open_.size() >= kMostOpen) failed("busy");
-  Open open{db::random_hex(32), db::random_hex(16), std::move(return_address), text_in(found, "token_endpoint"), now + kPatienceMs};
+  Open open{db::random_hex(32),         db::random_hex(16),
+            std::move(return_address),  text_in(found, "token_endpoint"),
+            text_in(found, "jwks_uri"), now + kPatienceMs};
   Begun begun;
   begun.state = db::random_hex(16);
-  begun.url = where + (where.find('?') == std::string::npos ? "?" : "&") + "response_type=code&scope=openid%20profile%20email&client_id=" +
-              url_part(settings.client_id) + "&redirect_uri=" + url_part(open.return_address) + "&state=" + begun.state +
-              "&nonce=" + open.nonce + "&code_challenge_method=S256&code_challenge=" + challenge_of(open.verifier);
+  begun.url = where + (where.find('?') == std::string::npos ? "?" : "&") +
+              "response_type=code&scope=openid%20profile%20email&client_id=" + url_part(settings.client_id) +
+              "&redirect_uri=" + url_part(open.return_address) + "&state=" + begun.state +
+              "&nonce=" + open.nonce +
+              "&code_challenge_method=S256&code_challenge=" + challenge_of(open.verifier);
   open_[begun.state] = std::move(open);
   co_return begun;
 }
@@ -223,13 +229,20 @@ awaitable<access::Session> SignInProvider::finish(std::string state, std::string
   open_.erase(found);  // once only
   const auto read = [](db::Database& db) { return provider_settings(db); };
   const ProviderSettings settings = co_await store_.run(read);
-  const std::string form = "grant_type=authorization_code&code=" + url_part(code) + "&redirect_uri=" + url_part(open.return_address) +
+  const std::string form = "grant_type=authorization_code&code=" + url_part(code) +
+                           "&redirect_uri=" + url_part(open.return_address) +
                            "&client_id=" + url_part(settings.client_id) + "&code_verifier=" + open.verifier;
-  const std::string basic = settings.client_secret.empty() ? "" : url_part(settings.client_id) + ":" + url_part(settings.client_secret);
+  const std::string basic = settings.client_secret.empty()
+                                ? ""
+                                : url_part(settings.client_id) + ":" + url_part(settings.client_secret);
   const auto ask = [&] { return fetch_json(open.token_endpoint, form, basic); };
   const json answer = co_await worker_.run(ask);
+  // Asked for at every sign-in: keys change, and one that was withdrawn must not be good a moment longer.
+  const auto ask_keys = [&] { return fetch_json(open.keys_endpoint, "", ""); };
+  const json keys = co_await worker_.run(ask_keys);
   const auto now = db::now_ms();
-  const Identity identity = identity_of(text_in(answer, "id_token"), settings, open.nonce, now / 1000);
+  const Identity identity =
+      identity_of(text_in(answer, "id_token"), keys.dump(), settings, open.nonce, now / 1000);
   const auto start = [&](db::Database& db) {
     db::Transaction transaction(db);
     db::UserRow user = user_of(db, identity, settings, now);

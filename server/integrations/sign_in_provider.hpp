@@ -1,8 +1,9 @@
-// Signing in through an OpenID Connect provider (authorization code flow with PKCE, RFC 7636). Optional: passwords stay
-// possible, so that a shop whose provider is away can still be managed.
+// Signing in through an OpenID Connect provider (authorization code flow with PKCE, RFC 7636). Optional:
+// passwords stay possible, so that a shop whose provider is away can still be managed.
 //
-// The identity token comes straight from the provider's token endpoint over TLS, so its signature need not be checked
-// (OpenID Connect Core 3.1.3.7, rule 6); issuer, audience, time and nonce are. Without TLS only loopback is taken.
+// The identity token is believed when the provider's published keys have signed it (token_signature.hpp) and
+// issuer, audience, time and nonce are ours; beyond that everything goes over TLS, without it only on
+// loopback.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -15,10 +16,10 @@
 namespace headstock::integrations {
 
 struct ProviderSettings {
-  std::string issuer;         ///< https://…; empty: not used
+  std::string issuer;  ///< https://…; empty: not used
   std::string client_id, client_secret;
-  std::string label;          ///< on the button
-  bool create = false;        ///< may somebody unknown come in, with `role`?
+  std::string label;    ///< on the button
+  bool create = false;  ///< may somebody unknown come in, with `role`?
   access::Role role = access::Role::viewer;
 };
 /// ---- store thread
@@ -31,10 +32,13 @@ struct Identity {
   std::string external;  ///< issuer#subject
   std::string user, name;
 };
-/// @param token a JWT. Throws Refusal{provider_failed} (where: what is wrong).
-Identity identity_of(const std::string& token, const ProviderSettings& settings, const std::string& nonce, std::int64_t now_s);
+/// @param token a JWT. @param key_set the provider's keys (JSON). Throws Refusal{provider_failed} (where:
+/// what is wrong).
+Identity identity_of(const std::string& token, const std::string& key_set, const ProviderSettings& settings,
+                     const std::string& nonce, std::int64_t now_s);
 /// The user of the identity, made if allowed. Refusals: unknown_person, wrong_sign_in (disabled).
-db::UserRow user_of(db::Database& db, const Identity& identity, const ProviderSettings& settings, std::int64_t now_ms);
+db::UserRow user_of(db::Database& db, const Identity& identity, const ProviderSettings& settings,
+                    std::int64_t now_ms);
 
 class SignInProvider {
  public:
@@ -51,7 +55,7 @@ class SignInProvider {
 
  private:
   struct Open {
-    std::string verifier, nonce, return_address, token_endpoint;
+    std::string verifier, nonce, return_address, token_endpoint, keys_endpoint;
     std::int64_t until_ms = 0;
   };
   db::Store& store_;

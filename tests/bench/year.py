@@ -5,7 +5,9 @@
 
 Prints one JSON line: rows, size of the database, and the median of five answers each (milliseconds) for the floor, the
 OEE of a month and of one machine by shift, the stops of a week, and the alarm statistics of the year; beside them the same on
-an empty shop, measured in the same run.
+an empty shop, measured in the same run. Then the retention does its work on it (states older than 90 days by the hour, events
+older than 180 days into files) while the floor is asked for: rows and used size after it (SQLite keeps the file's size and fills
+it again), the files, how long it took, and that no hour has lost or won a second and no part is gone.
 """
 import argparse
 import json
@@ -39,8 +41,10 @@ def fill(file, machines, days):
             stand = random.randint(20_000, 300_000)
             state = random.choice(["idle", "idle", "hold", "alarm", "setup"])
             states.append((machine, "running", "memory", "machine", at, at + cut))
-            sequence += 1
-            events.append((machine, "s", sequence, at + cut, at + cut, "part", "{}"))
+            sequence += 4
+            body = json.dumps({"run": sequence, "program": "O1001", "sha256": SHA, "count": sequence // 4, "total": sequence // 4, "cycle_s": cut / 1000})
+            for back, kind, when in ((3, "run_started", at), (2, "state", at), (1, "state", at + cut), (0, "part", at + cut)):
+                events.append((machine, "s", sequence - back, when, when, kind, body))
             parts.append((machine, "s", sequence, at + cut, "O1001", SHA, sequence, sequence, cut / 1000))
             runs.append((machine, "s", sequence, "O1001", SHA, at, at + cut, "completed", cut / 1000, cut / 1200))
             if state == "alarm":
@@ -63,9 +67,41 @@ def fill(file, machines, days):
         many("INSERT INTO downtime_notes (machine_id, from_ms, to_ms, reason_id, note, by_user, at_ms) VALUES (?, ?, ?, ?, ?, ?, ?)", notes)
         database.commit()
     rows = {table: database.execute(f"SELECT COUNT(*) FROM {table}").fetchone()[0]
-            for table in ("state_intervals", "parts", "runs", "alarms", "downtime_notes")}
+            for table in ("state_intervals", "events", "parts", "runs", "alarms", "downtime_notes")}
     database.close()
     return rows
+
+
+def used_mib(database):
+    page, pages, free = (database.execute(f"PRAGMA {name}").fetchone()[0] for name in ("page_size", "page_count", "freelist_count"))
+    return round((pages - free) * page / (1 << 20), 1)
+
+
+def retention(shop, file, now_ms):
+    """Lets the server keep states for 90 days and events for 180, and looks at what is left."""
+    looking = sqlite3.connect(f"file:{file}?mode=ro", uri=True, timeout=60)
+    whole = "SELECT machine_id, state, SUM(to_ms - from_ms) FROM state_intervals WHERE to_ms IS NOT NULL GROUP BY 1, 2"
+    before = {"used_mib": used_mib(looking), "sums": dict(((m, s), total) for m, s, total in looking.execute(whole)),
+              "parts": looking.execute("SELECT COUNT(*) FROM parts").fetchone()[0]}
+    shop.admin.call("PATCH", "/settings/keeping", {"states_days": 90, "events_days": 180, "transfers_days": 180, "backup_every_hours": 0, "backups_kept": 7})
+    began, slowest, old = time.monotonic(), 0.0, now_ms - 180 * DAY_MS
+    kinds = "kind NOT IN ('part', 'run_started', 'run_ended')"
+    while looking.execute(f"SELECT 1 FROM events WHERE received_ms < ? AND {kinds} LIMIT 1", (old,)).fetchone():
+        asked = time.perf_counter()
+        shop.admin.get("/machines")
+        slowest = max(slowest, time.perf_counter() - asked)
+        time.sleep(0.2)
+    took = time.monotonic() - began
+    after = dict(((m, s), total) for m, s, total in looking.execute(whole))
+    archives = shop.admin.get("/event-archives")["items"]
+    found = {"used_mib_before": before["used_mib"], "used_mib_after": used_mib(looking), "took_s": round(took, 1), "floor_slowest_ms": round(1000 * slowest, 1),
+             "state_intervals": looking.execute("SELECT COUNT(*) FROM state_intervals").fetchone()[0],
+             "events": looking.execute("SELECT COUNT(*) FROM events").fetchone()[0], "events_in_files": sum(one["events"] for one in archives),
+             "files_mib": round(sum(os.path.getsize(os.path.join(os.path.dirname(file), "archive", one["file"])) for one in archives) / (1 << 20), 1)}
+    assert after == before["sums"], "a state has won or lost time"
+    assert looking.execute("SELECT COUNT(*) FROM parts").fetchone()[0] == before["parts"], "parts stay"
+    looking.close()
+    return found
 
 
 def answers(shop):
@@ -113,8 +149,11 @@ def main():
         file = os.path.join(shop.folder, "server", "headstock.db")
         rows = fill(file, options.machines, options.days)
         shop.start_server()
-        print(json.dumps({"machines": options.machines, "days": options.days, "rows": rows,
-                          "database_mib": round(os.path.getsize(file) / (1 << 20), 1), "median_ms": answers(shop), "empty_shop_ms": empty}))
+        result = {"machines": options.machines, "days": options.days, "rows": rows,
+                  "database_mib": round(os.path.getsize(file) / (1 << 20), 1), "median_ms": answers(shop), "empty_shop_ms": empty}
+        result["retention"] = retention(shop, file, int(time.time() * 1000))
+        result["retention"]["median_ms"] = answers(shop)
+        print(json.dumps(result))
     finally:
         shop.close()
 

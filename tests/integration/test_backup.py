@@ -1,4 +1,5 @@
 """Backups of a running server and of a machine, restored; damaged ones refused. The same server on PostgreSQL."""
+import json
 import os
 import subprocess
 import unittest
@@ -87,6 +88,79 @@ class MachineBackup(ShopTest):
             admin.post(f"/machines/{other}/restore", {"backup": backup["id"]})
         self.assertEqual(refused.exception.code, "other_profile")
 
+
+    # What stands on the machine's pages before the backup: every kind of value. A group of tool life is entered as on its page.
+    VALUES = {"parameter/8132#0": 1, "parameter/6713": 50, "tool/1/geometry/X": -112.5, "tool/1/wear/X": 0.05, "tool/1/radius": 0.8,
+              "tool/1/tip": 3, "tool/99/geometry/Z": -75.25, "work/G54/Z": -20, "work/shift/Z": 0.5, "variable/500": 2.5,
+              "variable/501": -1, "tool_life/1/unit": 0, "tool_life/1/life": 3, "tool_life/1/tool/0": 1, "tool_life/1/offset/0": 1,
+              "tool_life/1/tool/1": 2, "tool_life/1/offset/1": 2, "tool_life/1/used/0": 2, "tool_life/2/unit": 1,
+              "tool_life/2/life": 600, "tool_life/2/tool/0": 5, "tool_life/2/offset/0": 5}
+
+    def write_by_hand(self, agent):
+        agent.panel("mode", "mdi")
+        agent.panel("parameter-write", "on")
+        for what, value in self.VALUES.items():
+            agent.panel("set", f"{what}={value}")
+        self.lock(agent)
+
+    def lock(self, agent):
+        agent.panel("parameter-write", "off")
+        agent.panel("reset")
+
+    def values_at_server(self, agent):
+        return self.shop.admin.get(f"/machines/{agent.id}/values")["values"]
+
+    def seen(self, agent, wanted):
+        eventually(lambda: all(abs(self.values_at_server(agent).get(what, 0) - value) < 1e-9 for what, value in wanted.items()),
+                   "the server has what is on the machine")
+
+    def on_its_disk(self, agent):
+        """As the machine itself has them after a kill."""
+        agent.process.kill9()
+        agent.start()
+        return {what: float(agent.panel("value", what)) for what in self.VALUES}
+
+    def restore_to(self, agent, backup):
+        return self.shop.admin.post(f"/machines/{agent.id}/restore", {"backup": backup["id"]})["values"]
+
+    def test_every_value_comes_back_to_the_same_machine_and_to_a_replacement(self):
+        self.shop.start_server()
+        agent = self.shop.agent("Lathe 1", "fanuc-0i-t").start()
+        self.write_by_hand(agent)
+        self.seen(agent, self.VALUES)
+        backup = self.shop.admin.post(f"/machines/{agent.id}/backup")
+        self.assertEqual(self.restore_to(agent, backup)["state"], "same")
+
+        # Somebody changes this and that; all of it comes back, or nothing while the parameter switch is off.
+        agent.panel("parameter-write", "on")
+        for change in ("tool/1/wear/X=0.07", "work/G54/Z=-21", "variable/500=", "variable/502=9", "parameter/6713=60", "tool/7/wear/Z=0.03",
+                       "tool_life/1/used/0=0", "tool_life/3/unit=0", "tool_life/3/life=5", "tool_life/3/tool/0=7"):
+            agent.panel("set", change)
+        self.lock(agent)
+        self.seen(agent, {"tool_life/1/used/0": 0, "parameter/6713": 60})
+        refused = self.restore_to(agent, backup)
+        self.assertEqual((refused["state"], refused["reason"], refused["where"]), ("refused", "parameter_write_off", "parameter/6713"))
+        self.assertEqual(float(agent.panel("value", "tool/1/wear/X")), 0.07, "nothing of it was written")
+        agent.panel("parameter-write", "on")
+        done = self.restore_to(agent, backup)
+        self.assertEqual((done["state"], done["differ"], done["without_place"]), ("done", 8, 0), done)
+        self.lock(agent)
+        self.assertEqual(self.on_its_disk(agent), self.VALUES)
+        self.assertEqual([json.loads(agent.panel("value", what)) for what in ("tool/7/wear/Z", "variable/502", "tool_life/3/life")],
+                         [0, 0, None], "what was not there is gone")
+        history = self.shop.admin.get(f"/machines/{agent.id}/value-changes", what="work/G54/Z")["items"][0]
+        self.assertEqual((history["origin"], history["before"], history["after"], history["by"]), ("restore", -21, -20, "admin"))
+
+        agent.process.kill9()
+        replacement = self.shop.agent("Lathe 1 new", "fanuc-0i-t").start()
+        eventually(lambda: self.shop.admin.get(f"/machines/{replacement.id}/values")["reported"], "the new machine has told what it has")
+        replacement.panel("mode", "mdi")
+        replacement.panel("parameter-write", "on")
+        done = self.restore_to(replacement, backup)
+        self.assertEqual((done["state"], done["differ"], done["without_place"]), ("done", len(self.VALUES), 0), done)
+        self.lock(replacement)
+        self.assertEqual(self.on_its_disk(replacement), self.VALUES)
+        self.seen(replacement, self.VALUES)
 
 @unittest.skipUnless(os.environ.get("HEADSTOCK_TEST_DATABASE"), "run by tests/with-postgresql")
 class OnPostgresql(ShopTest):

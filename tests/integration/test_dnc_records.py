@@ -150,6 +150,38 @@ class Records(DncTest):
         self.assertEqual(newest["values"], [{"item": "L10 P1 R", "value": "120.5"}, {"item": "L11 P1 R", "value": "-1.5"}])
         self.assertEqual(newest["changes"], [{"item": "L11 P1 R", "before": "-1.25", "after": "-1.5"}])
         self.assertEqual(self.api.get("/programs")["items"][0]["newest"]["number"], 1, "the library is untouched")
+        page = self.api.get(f"/machines/{self.machine}/values")["values"]
+        self.assertEqual((page["tool/1/geometry/Z"], page["tool/1/wear/Z"]), (120.5, -1.5), "the machine has what it has punched")
+        told = self.api.get(f"/machines/{self.machine}/value-changes", what="tool/1/wear/Z")["items"]
+        self.assertEqual([(c["before"], c["after"], c["origin"]) for c in told], [(-1.25, -1.5, "import"), (0, -1.25, "import")])
+
+    def test_a_punch_of_a_machine_with_an_agent_is_written_only_when_asked_for(self):
+        agent = self.shop.agent("Mill 2", "fanuc-0i-m").start()
+        eventually(lambda: self.api.get(f"/machines/{agent.id}/values")["reported"], "the machine has told what it has")
+        control = self.control()
+        port = self.port(control.device, listens=True, machine=agent.id)
+
+        def accepted(text, **wish):
+            eventually(lambda: self.api.get(f"/ports/{port}")["state"] == "listening" and self.api.get(f"/ports/{port}")["transfer"] is None, "listening")
+            control.say(b"\x12" + iso(text) + b"\x14")
+            row = eventually(lambda: [r for r in self.api.get("/received?state=waiting")["items"] if r["kind"] == "tool_offsets"], "received")[0]
+            return self.api.post(f"/received/{row['id']}/accept", {"why": "set up", **wish})["values"]
+
+        def length():
+            return self.api.get(f"/machines/{agent.id}/values")["values"].get("tool/1/geometry/Z", 0)
+
+        punched = "%\nG10 G90 L10 P1 R120.5\nG10 G90 L11 P1 R0\n%\n"
+        looked = accepted(punched)
+        self.assertEqual((looked["differ"], looked["same"], looked["request"]), (1, 1, None))
+        self.assertEqual(length(), 0, "nothing was written")
+        written = accepted(punched, write=True)
+        self.assertEqual((written["differ"], written["request_state"]), (1, "done"), written)
+        eventually(lambda: length() == 120.5, "the machine has it")
+        change = eventually(lambda: self.api.get(f"/machines/{agent.id}/value-changes", what="tool/1/geometry/Z")["items"], "history")[0]
+        self.assertEqual((change["origin"], change["request"]), ("import", written["request"]))
+        agent.process.kill9()
+        self.assertEqual(accepted(punched.replace("120.5", "99."), write=True)["request_reason"], "not_connected")
+        self.assertEqual(length(), 120.5)
 
     def test_the_log_and_the_command_line(self):
         control, wish = self.control(), self.released("O2001", TWO_TOOLS)

@@ -4,6 +4,8 @@ import hashlib
 import http.client
 import http.server
 import json
+import os
+import subprocess
 import threading
 import time
 import urllib.parse
@@ -15,11 +17,32 @@ def encoded(value):
     return base64.urlsafe_b64encode(value).rstrip(b"=").decode()
 
 
-class Provider(http.server.ThreadingHTTPServer):
-    """Answers discovery and the token endpoint; the test itself is the browser at the authorization endpoint."""
+class SigningKey:
+    """An RSA key of the provider in a file."""
 
-    def __init__(self):
-        self.codes, self.claims = {}, {}
+    def __init__(self, folder, name):
+        self.name, self.file = name, os.path.join(folder, name + ".pem")
+        subprocess.run(["openssl", "genpkey", "-algorithm", "RSA", "-pkeyopt", "rsa_keygen_bits:2048", "-out", self.file],
+                       check=True, capture_output=True)
+
+    def published(self):
+        told = subprocess.run(["openssl", "rsa", "-in", self.file, "-noout", "-modulus"], check=True, capture_output=True, text=True).stdout
+        return {"kty": "RSA", "use": "sig", "alg": "RS256", "kid": self.name, "e": "AQAB",
+                "n": encoded(bytes.fromhex(told.strip().split("=")[1]))}
+
+    def token(self, claims, header=None):
+        text = ".".join(encoded(json.dumps(part).encode()) for part in (header or {"alg": "RS256", "kid": self.name}, claims))
+        signed = subprocess.run(["openssl", "dgst", "-sha256", "-sign", self.file], input=text.encode(), check=True, capture_output=True)
+        return text + "." + encoded(signed.stdout)
+
+
+class Provider(http.server.ThreadingHTTPServer):
+    """Answers discovery, keys and the token endpoint; the test itself is the browser at the authorization endpoint."""
+
+    def __init__(self, folder):
+        self.codes, self.claims, self.header = {}, {}, None
+        self.key = SigningKey(folder, "key-1")
+        self.published = [self.key.published()]
         provider = self
 
         class Handler(http.server.BaseHTTPRequestHandler):
@@ -32,8 +55,10 @@ class Provider(http.server.ThreadingHTTPServer):
                 self.wfile.write(data)
 
             def do_GET(self):
+                if self.path == "/keys":
+                    return self.answer(200, {"keys": provider.published})
                 self.answer(200, {"issuer": provider.issuer, "authorization_endpoint": provider.issuer + "/authorize",
-                                  "token_endpoint": provider.issuer + "/token"})
+                                  "token_endpoint": provider.issuer + "/token", "jwks_uri": provider.issuer + "/keys"})
 
             def do_POST(self):
                 form = dict(urllib.parse.parse_qsl(self.rfile.read(int(self.headers["Content-Length"])).decode()))
@@ -44,7 +69,7 @@ class Provider(http.server.ThreadingHTTPServer):
                     return self.answer(400, {"error": "invalid_grant"})
                 claims = {"iss": provider.issuer, "aud": "headstock", "exp": time.time() + 60, "nonce": begun["nonce"], "sub": "42",
                           "preferred_username": "li.wei", "name": "李伟", **provider.claims}
-                self.answer(200, {"id_token": ".".join((encoded(b"{}"), encoded(json.dumps(claims).encode()), encoded(b"x")))})
+                self.answer(200, {"id_token": provider.key.token(claims, provider.header)})
 
             def log_message(self, *_):
                 pass
@@ -61,7 +86,7 @@ class ProviderSignIn(ShopTest):
     def setUp(self):
         super().setUp()
         self.shop.start_server()
-        self.provider = Provider()
+        self.provider = Provider(self.shop.folder)
         self.addCleanup(self.provider.shutdown)
         self.settings = {"issuer": self.provider.issuer, "client_id": "headstock", "client_secret": "sesame", "label": "Works account",
                          "create": True, "role": "operator"}
@@ -118,6 +143,24 @@ class ProviderSignIn(ShopTest):
     def test_strangers_stay_out_when_the_shop_says_so(self):
         self.shop.admin.call("PATCH", "/settings/provider", {**self.settings, "create": False})
         self.assertEqual(self.sign_in(), "unknown_person")
+
+    def test_only_a_published_key_signs_people_in(self):
+        right, stranger = self.provider.key, SigningKey(self.shop.folder, "stranger")
+        stranger.name = right.name
+        self.provider.key = stranger
+        self.assertEqual(self.sign_in(), "provider_failed", "the right name on another key")
+        self.provider.key = right
+        for header in ({"alg": "none"}, {"alg": "HS256", "kid": "key-1"}, {"alg": "RS256", "kid": "key-9"}):
+            self.provider.header = header
+            self.assertEqual(self.sign_in(), "provider_failed", header)
+        self.provider.header = None
+        self.assertEqual(self.sign_in()["user"], "li.wei")
+        # The provider changes its key: the new one holds at once, the old one no longer.
+        new = SigningKey(self.shop.folder, "key-2")
+        self.provider.published = [new.published()]
+        self.assertEqual(self.sign_in(), "provider_failed", "withdrawn")
+        self.provider.key = new
+        self.assertEqual(self.sign_in()["user"], "li.wei")
 
     def test_what_is_not_right_is_refused(self):
         for claims in ({"iss": "https://other.example"}, {"aud": "another"}, {"exp": time.time() - 3600}, {"nonce": "old"}, {"sub": ""},

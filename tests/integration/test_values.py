@@ -112,6 +112,12 @@ class Values(ShopTest):
         done = self.setter.post(f"/machines/{agent.id}/values", {
             "values": [{"what": "parameter/6713", "before": None, "after": 50}]})
         self.assertEqual(done["state"], "done")
+        self.assertEqual([one["code"] for one in eventually(lambda: agent.live()["alarms"], "the open switch is an alarm")], ["SW0100"])
+        agent.panel("reset")
+        self.assertEqual([one["code"] for one in agent.status()["alarms"]], ["SW0100"], "as long as it is on")
+        agent.panel("parameter-write", "off")
+        agent.panel("reset")
+        eventually(lambda: not agent.live()["alarms"], "off and reset")
         self.refused("other_profile", lambda: self.setter.post(f"/machines/{agent.id}/values/sheet", {
             "text": "# Headstock; profile gsk-2000tc; unit mm\nnumber,X\n1,1\n"}))
         self.refused("other_unit", lambda: self.setter.post(f"/machines/{agent.id}/values/sheet", {
@@ -186,6 +192,8 @@ class Values(ShopTest):
         done = self.setter.post(f"/machines/{agent.id}/values", {"values": [
             {"what": "parameter/8132#0", "before": None, "after": 1}]})
         self.assertEqual(done["state"], "done")
+        agent.panel("parameter-write", "off")
+        agent.panel("reset")
         group = [("unit", 0), ("life", 3), ("tool/0", 1), ("offset/0", 1)]
         done = self.setter.post(f"/machines/{agent.id}/values", {"values": [
             {"what": f"tool_life/1/{field}", "before": None, "after": value} for field, value in group]})

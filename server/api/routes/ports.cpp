@@ -11,6 +11,8 @@
 #include "server/dnc/dnc.hpp"
 #include "server/dnc/received.hpp"
 #include "server/dnc/settings.hpp"
+#include "server/fleet/fleet.hpp"
+#include "server/fleet/value_requests.hpp"
 #include "server/library/difference.hpp"
 #include "server/library/text_facts.hpp"
 
@@ -319,21 +321,36 @@ std::vector<Route> receiving(Services& s) {
                       const auto difference = co_await s.workers.run(compare);
                       co_return json_reply(to_json(difference));
                     }});
-  const auto decide = [&s](const char* verb, const char* summary,
-                           db::ReceivedRow (*act)(db::Database&, const db::Blobs&, const access::Actor&, std::int64_t, const std::string&, std::int64_t)) {
-    return Route{.method = Method::post, .pattern = std::string("/received/{id}/").append(verb), .role = needs(Action::upload_program),
-                 .summary = summary, .takes = Takes::json, .request = "Decision", .response = "Received",
-                 .errors = {"already_decided", "bad_name", "bad_folder"},
-                 .handler = [&s, act](Call& call) -> awaitable<Reply> {
-                   const auto id = call.id("id");
-                   const auto why = call.body_text("why", "");
-                   const auto actor = actor_of(call);
-                   const auto row = co_await s.store.run([&](db::Database& db) { return act(db, s.blobs, actor, id, why, db::now_ms()); });
-                   co_return json_reply(shape(row));
-                 }};
-  };
-  routes.push_back(decide("accept", "A received program becomes a new revision, from machine; machine data are kept", &dnc::accept));
-  routes.push_back(decide("reject", "Put a received text aside; the library stays as it is", &dnc::reject));
+  routes.push_back({.method = Method::post, .pattern = "/received/{id}/accept", .role = needs(Action::upload_program),
+                    .summary = "A received program becomes a new revision, from machine; machine data become a set and values of the machine's pages",
+                    .takes = Takes::json, .request = "Acceptance", .response = "Received",
+                    .errors = {"already_decided", "bad_name", "bad_folder", "machine_not_read", "value_refused"},
+                    .handler = [&s](Call& call) -> awaitable<Reply> {
+                      const auto id = call.id("id");
+                      const dnc::Decision decision{call.body_text("why", ""), flag(call, "write")};
+                      const auto actor = actor_of(call);
+                      auto made = co_await s.store.run([&](db::Database& db) { return dnc::accept(db, s.blobs, actor, id, decision, db::now_ms()); });
+                      auto& values = made.values;
+                      if (values.request) values.request = co_await s.values.carry_out(*values.request);
+                      if (values.written > 0) s.fleet.values_changed(made.row.machine);
+                      json answer = shape(made.row);
+                      if (made.row.kind != "program")
+                        answer["values"] = {{"written", values.written}, {"differ", values.differ}, {"same", values.same},
+                                            {"without_place", values.without_place},
+                                            {"request", values.request ? json(values.request->id) : json(nullptr)},
+                                            {"request_state", values.request ? json(values.request->state) : json(nullptr)},
+                                            {"request_reason", values.request ? maybe_text(values.request->reason) : json(nullptr)}};
+                      co_return json_reply(answer);
+                    }});
+  routes.push_back({.method = Method::post, .pattern = "/received/{id}/reject", .role = needs(Action::upload_program),
+                    .summary = "Put a received text aside; the library stays as it is", .takes = Takes::json, .request = "Decision",
+                    .response = "Received", .errors = {"already_decided"}, .handler = [&s](Call& call) -> awaitable<Reply> {
+                      const auto id = call.id("id");
+                      const auto why = call.body_text("why", "");
+                      const auto actor = actor_of(call);
+                      const auto row = co_await s.store.run([&](db::Database& db) { return dnc::reject(db, actor, id, why, db::now_ms()); });
+                      co_return json_reply(shape(row));
+                    }});
   return routes;
 }
 

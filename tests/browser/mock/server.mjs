@@ -8,7 +8,7 @@ import { createServer } from "node:http";
 import { extname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { inRadii, lathe, live, makeMachine, mill, plot, profiles } from "./shop.mjs";
-import { days, reasons, row } from "./times.mjs";
+import { days, intervals, reasons, row } from "./times.mjs";
 import { accept } from "./websocket.mjs";
 import { root } from "../paths.mjs";
 
@@ -95,6 +95,7 @@ export function startMock({ port = 0, machines = 6, dist }) {
     ["PATCH", /^\/calendar$/, (_, { body }) => Object.assign(calendar, body)],
     ["GET", /^\/alarms\/statistics$/, () => ({ items: ["OT0500", "PS0010", "SV0401"].map((code, n) => ({ code, text: { en: ["+ OVERTRAVEL ( SOFT 1 )", "IMPROPER G-CODE", "V-READY OFF"][n], zh: ["正向超程（软限位 1）", "G 代码不正确", "伺服准备信号断开"][n] }, count: 12 - 3 * n, active_s: 9000 / (n + 1), machines: 3 - n, last: iso(40 * n) })), next: null })],
     ["GET", /^\/downtime-reasons$/, () => ({ items: reasons, next: null })],
+    ["GET", /^\/machines\/(\d+)\/states$/, ([, id], { query }) => ({ items: intervals(Number(id), query.get("from"), query.get("to")), next: null })],
     ["GET", /^\/machines\/(\d+)\/stops$/, () => ({ items: stops, next: null })],
     ["POST", /^\/machines\/(\d+)\/downtime$/, (_, { body }) => { const stop = stops.find((one) => one.from === body.from); stop.note = body.reason ? { id: 9, reason: body.reason, note: "", by: session.user, at: iso(0) } : null; return { id: 9 }; }],
     ["POST", /^\/machines\/(\d+)\/rejects$/, () => ({ id: 1 })],

@@ -170,14 +170,14 @@ TEST_F(DncTest, APunchWaitsForApprovalAndChangesNothingBefore) {
   EXPECT_EQ(second.program, 0);
   EXPECT_EQ(second.comment, "NEW");
   EXPECT_EQ(db::program_named(db, "/", "O0001")->newest->number, 1) << "nothing changed yet";
-  EXPECT_EQ(refusal_of([&] { accept(db, blobs, kOperator, ids[0], "", 7); }), "forbidden:upload_program");
-  accept(db, blobs, kProgrammer, ids[0], "better feed", 7);
+  EXPECT_EQ(refusal_of([&] { accept(db, blobs, kOperator, ids[0], {}, 7); }), "forbidden:upload_program");
+  accept(db, blobs, kProgrammer, ids[0], {"better feed"}, 7);
   const auto program = *db::program_named(db, "/", "O0001");
   EXPECT_EQ(program.newest->number, 2);
   EXPECT_EQ(program.newest->origin, std::string("port:").append(std::to_string(port.id)));
   EXPECT_FALSE(program.released);
-  EXPECT_EQ(refusal_of([&] { reject(db, blobs, kProgrammer, ids[0], "", 8); }), "already_decided:");
-  reject(db, blobs, kProgrammer, ids[1], "no", 8);
+  EXPECT_EQ(refusal_of([&] { reject(db, kProgrammer, ids[0], "", 8); }), "already_decided:");
+  reject(db, kProgrammer, ids[1], "no", 8);
   EXPECT_FALSE(db::program_named(db, "/", "O0002"));
 }
 

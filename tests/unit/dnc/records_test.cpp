@@ -149,7 +149,7 @@ TEST_F(RecordsTest, TheCensusSaysWhatLiesWhereAndHowThatIsKnown) {
   EXPECT_EQ(found.at(0).state, "changed");
   EXPECT_EQ(found[0].proof, "punched");
   EXPECT_EQ(found[0].classes, "feed_speed");
-  accept(db, blobs, kProgrammer, received, "", 21);
+  accept(db, blobs, kProgrammer, received, {}, 21);
   found = census(db, over.machine);
   EXPECT_EQ(found.at(0).state, "older") << "a revision now, but not the released one";
   EXPECT_EQ(found[0].revision, 2);
@@ -162,12 +162,15 @@ TEST_F(RecordsTest, TheCensusSaysWhatLiesWhereAndHowThatIsKnown) {
 TEST_F(RecordsTest, AcceptedMachineDataBecomeASet) {
   auto& db = *database;
   const auto over = port("P", "tcp://h:1", machine("Lathe 1"));
-  accept(db, blobs, kProgrammer, punch(over, "%\nG10 P01 X0.1 Z0\n%\n", 20), "", 21);
-  accept(db, blobs, kProgrammer, punch(over, "%\nG10 P01 X0.3 Z0\n%\n", 30), "", 31);
+  const auto first = punch(over, "%\nG10 P01 X0.1 Z0\n%\n", 20);
+  EXPECT_THROW(accept(db, blobs, kProgrammer, first, {}, 21), db::Refusal) << "who accepts it edits offsets";
+  EXPECT_TRUE(db::punched_data_rows(db, over.machine, "", {}).items.empty());
+  EXPECT_EQ(accept(db, blobs, kSetter, first, {}, 21).values.written, 1);
+  accept(db, blobs, kSetter, punch(over, "%\nG10 P01 X0.3 Z0\n%\n", 30), {}, 31);
   const auto sets = db::punched_data_rows(db, over.machine, "tool_offsets", {}).items;
   ASSERT_EQ(sets.size(), 2u);
   EXPECT_EQ(sets[0].entries, 2);
-  EXPECT_EQ(sets[0].by, "prog");
+  EXPECT_EQ(sets[0].by, "setter");
   EXPECT_EQ(db::punched_data_before(db, sets[0])->id, sets[1].id);
   EXPECT_FALSE(db::punched_data_before(db, sets[1]));
   EXPECT_TRUE(db::punched_data_rows(db, over.machine, "parameters", {}).items.empty());

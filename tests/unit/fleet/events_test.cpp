@@ -6,6 +6,8 @@
 #include <random>
 
 #include "db/machine_store.hpp"
+#include "server/fleet/counts.hpp"
+#include "server/fleet/event_times.hpp"
 #include "server/fleet/machines.hpp"
 #include "tests/unit/db/temporary_folder.hpp"
 
@@ -134,6 +136,77 @@ TEST_F(Events, OffsetsBecomeTheDocumentOfTheChecks) {
     "external":{"X":1.0}})"));
   EXPECT_EQ(row->offsets_version, 1);
   EXPECT_EQ(db::offsets(*db, machine).size(), 5u);
+}
+
+struct ClockJumps : Events {
+  static constexpr std::int64_t kNow = 1'000'000'000;
+  std::int64_t sequence = 0;
+
+  Intake state(const char* name, std::int64_t at_ms, std::int64_t heard_ms) {
+    const json event = {{"seq", ++sequence}, {"at_ms", at_ms}, {"kind", "state"}, {"state", name}, {"mode", "memory"}};
+    return take_in(*db, machine, "spool", json::array({event}), heard_ms);
+  }
+  /// "idle 0, running 10": state and start in seconds after kNow; the chain is whole and its last is open.
+  std::string record() {
+    std::string text;
+    std::optional<std::int64_t> end;
+    bool first = true;
+    for (const db::StateRow& row : db::states(*db, {machine, {}, {}})) {
+      EXPECT_TRUE(first || end == row.from_ms) << "a hole or an overlap at " << row.from_ms;
+      end = row.to_ms;
+      text += (first ? "" : ", ") + row.state + " " + std::to_string((row.from_ms - kNow) / 1000);
+      first = false;
+    }
+    EXPECT_FALSE(end);
+    return text;
+  }
+};
+
+TEST_F(ClockJumps, AheadIsANamedAlarmAndNothingIsRecordedInTheFuture) {
+  EXPECT_TRUE(state("idle", kNow, kNow).raised.empty());
+  const Intake jumped = state("running", kNow + 3'600'000, kNow + 10'000);
+  ASSERT_EQ(jumped.raised.size(), 1u);
+  EXPECT_EQ(jumped.raised[0].code, kClockAlarm);
+  EXPECT_NE(jumped.raised[0].text_en.find("3590 s ahead"), std::string::npos) << jumped.raised[0].text_en;
+  EXPECT_TRUE(state("hold", kNow + 3'620'000, kNow + 30'000).raised.empty()) << "the same is one event";
+  const Intake right = state("running", kNow + 40'000, kNow + 40'000);
+  ASSERT_EQ(right.cleared.size(), 1u) << "set right";
+  EXPECT_EQ(right.cleared[0].id, jumped.raised[0].id);
+  EXPECT_EQ(record(), "idle 0, running 10, hold 30, running 40");
+  std::int64_t told = 0;
+  db->each("SELECT body FROM events WHERE sequence = 2", {}, [&](const db::Row& row) { told = json::parse(row.text(0))["at_ms"]; });
+  EXPECT_EQ(told, kNow + 3'600'000) << "the raw event says what the machine said";
+}
+
+TEST_F(ClockJumps, BackKeepsTheOrderOfTheMachine) {
+  state("idle", kNow, kNow);
+  state("running", kNow + 3'600'000, kNow + 3'600'000);
+  const Intake jumped = state("alarm", kNow + 60'000, kNow + 3'660'000);
+  ASSERT_EQ(jumped.raised.size(), 1u);
+  EXPECT_NE(jumped.raised[0].text_en.find("went back by 3540 s"), std::string::npos) << jumped.raised[0].text_en;
+  EXPECT_EQ(record(), "idle 0, alarm 3600") << "what the machine does now is not hidden behind what it did";
+  EXPECT_EQ(state("running", kNow + 3'700'000, kNow + 3'700'000).cleared.size(), 1u);
+  EXPECT_EQ(record(), "idle 0, alarm 3600, running 3700");
+}
+
+TEST_F(ClockJumps, LateDeliveryAndSmallStepsAreNoJump) {
+  EXPECT_TRUE(state("idle", kNow, kNow + 86'400'000).raised.empty()) << "a day without a link";
+  EXPECT_TRUE(state("running", kNow + 10'000, kNow + 86'400'000).raised.empty());
+  EXPECT_TRUE(state("hold", kNow + 9'000, kNow + 86'400'000).raised.empty()) << "the clock was set by a second";
+  EXPECT_TRUE(state("alarm", kNow + 86'430'000, kNow + 86'400'000).raised.empty()) << "two clocks are never the same";
+}
+
+TEST_F(ClockJumps, PartsAreCountedAllTheSameAndRecountedTheSame) {
+  json batch = json::array();
+  const std::int64_t told[] = {kNow, kNow + 90'000'000'000, 1, kNow + 30'000};
+  for (int i = 0; i < 4; ++i) {
+    json one = part(i + 1);
+    one["at_ms"] = told[i];
+    batch.push_back(one);
+  }
+  EXPECT_EQ(take_in(*db, machine, "spool", batch, kNow + 40'000).parts.size(), 4u);
+  EXPECT_EQ(count(), 4);
+  EXPECT_TRUE(recount(*db, machine).at(0).differences.empty());
 }
 
 TEST_F(Events, NonsenseIsKeptButHarmsNothing) {

@@ -215,6 +215,62 @@ TEST_F(Values, ASetIsComparedAndCopied) {
   EXPECT_EQ(to.without_place, 2) << "a number and an axis this machine does not have";
 }
 
+/// A group of uses with so many tools, as a machine reports it.
+json life_group(int group, int tools, int used = 0) {
+  const std::string place = "tool_life/" + std::to_string(group) + "/";
+  json values = {{place + "unit", 0}, {place + "life", 100}, {place + "current", 0}};
+  for (int i = 0; i < tools; ++i) {
+    const std::string entry = "/" + std::to_string(i);
+    values.update({{place + "tool" + entry, 10 + i}, {place + "offset" + entry, 1}, {place + "h" + entry, 0},
+                   {place + "d" + entry, 0}, {place + "used" + entry, used}, {place + "skipped" + entry, 0}});
+  }
+  return values;
+}
+db::MachineValues as_values(const json& object) {
+  db::MachineValues values;
+  for (const auto& [what, value] : object.items()) values[what] = value.get<double>();
+  return values;
+}
+
+TEST_F(Values, AGroupOfToolLifeIsWrittenAsItsPageIsFilledIn) {
+  report({{"tool/1/geometry/X", 1}});
+  json wanted = life_group(1, 12, 7);
+  wanted["parameter/8132#0"] = 1;
+  wanted["tool/1/geometry/X"] = 1;
+  const Difference all = difference(*db, machine, as_values(wanted), "");
+  ASSERT_EQ(all.items.size(), wanted.size() - 1);
+  EXPECT_EQ(all.items[0].what, "parameter/8132#0");
+  EXPECT_EQ(all.items[1].what, "tool_life/1/unit");
+  EXPECT_EQ(all.items[2].what, "tool_life/1/life");
+  for (std::size_t i = 0; i < 12; ++i) EXPECT_EQ(all.items[3 + i].what, "tool_life/1/tool/" + std::to_string(i));
+  EXPECT_EQ(refusal([&] { ask(wang, all.items); }), "") << "the machine's rules take it in this order";
+}
+
+TEST_F(Values, MoreThanTenToolsOfAGroupAreKnown) {
+  report(life_group(1, 12, 7));
+  const MachinePages pages = machine_pages(*db, machine);
+  ASSERT_EQ(pages.data.tool_life.groups.at(1).tools.size(), 12u);
+  EXPECT_EQ(pages.data.tool_life.groups.at(1).tools[11].tool, 21);
+  EXPECT_EQ(pages.data.tool_life.groups.at(1).tools[11].used, 7);
+  EXPECT_TRUE(difference(*db, machine, as_values(life_group(1, 12, 7)), "").items.empty());
+}
+
+TEST_F(Values, AGroupTooManyIsTakenOffWholeAndAToolTooManyFromTheEnd) {
+  json there = life_group(1, 13);
+  there.update(life_group(2, 2));
+  report(there);
+  const Difference less = difference(*db, machine, as_values(life_group(1, 10)), "");
+  std::vector<std::string> what;
+  for (const db::ValueItem& item : less.items) {
+    what.push_back(item.what);
+    EXPECT_FALSE(item.after) << item.what;
+  }
+  EXPECT_EQ(what, (std::vector<std::string>{"tool_life/2/life", "tool_life/1/tool/12", "tool_life/1/tool/11", "tool_life/1/tool/10"}));
+  EXPECT_EQ(refusal([&] { ask(wang, less.items); }), "");
+  event("tool_life/2/life", 100, nullptr, "restore");
+  EXPECT_EQ(machine_pages(*db, machine).data.tool_life.groups.size(), 1u) << "the machine told that the group is gone";
+}
+
 TEST_F(Values, ASnapshotIsKeptAsItWas) {
   report({{"tool/1/geometry/X", 1}});
   const auto row = take_snapshot(*db, wang, machine, "before the overhaul", 5);

@@ -89,6 +89,41 @@ TEST_F(Edit, ParametersNeedTheSwitchAtTheMachineAndMdi) {
   EXPECT_FALSE(bench.controller.data().parameters.contains("6713"));
 }
 
+TEST_F(Edit, TheParameterSwitchIsAnAlarmUntilItIsOffAndReset) {
+  const auto codes = [this] {
+    std::vector<std::string> found;
+    for (const ActiveAlarm& alarm : bench.controller.live().alarms) found.push_back(alarm.code);
+    return found;
+  };
+  bench.load("O1\nG21 G98\nG00 X100. Z100.\nG01 Z50. F60.\nM30\n%\n");
+  ASSERT_TRUE(bench.controller.set_parameter_write(true).accepted);
+  ASSERT_TRUE(bench.controller.set_parameter_write(true).accepted) << "once is enough";
+  EXPECT_EQ(codes(), std::vector<std::string>{"SW0100"});
+  EXPECT_EQ(bench.press(Action::cycle_start).reason, "alarm") << "0i-D L45460";
+  ASSERT_TRUE(bench.press(Action::reset).accepted);
+  ASSERT_TRUE(bench.until([&] { return bench.press(Action::cycle_start).reason != "resetting"; }));
+  EXPECT_EQ(codes(), std::vector<std::string>{"SW0100"}) << "reset alone does not clear it";
+  ASSERT_TRUE(bench.controller.set_parameter_write(false).accepted);
+  EXPECT_EQ(bench.press(Action::cycle_start).reason, "alarm") << "0i-D L45464: RESET ends the state of alarm";
+  ASSERT_TRUE(bench.press(Action::reset).accepted);
+  EXPECT_TRUE(codes().empty());
+  ASSERT_TRUE(bench.until_state(State::idle));
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until_state(State::running));
+  EXPECT_EQ(bench.controller.set_parameter_write(true).reason, "running");
+  EXPECT_TRUE(codes().empty());
+}
+
+TEST_F(Edit, ControlsWithoutSuchAnAlarmHaveNone) {
+  Bench other("k2000tc");
+  ASSERT_TRUE(other.controller.set_parameter_write(true).accepted);
+  EXPECT_TRUE(other.controller.live().alarms.empty());
+  Bench gsk("gsk-218t");
+  ASSERT_TRUE(gsk.controller.set_parameter_write(true).accepted);
+  ASSERT_EQ(gsk.controller.live().alarms.size(), 1u);
+  EXPECT_EQ(gsk.controller.live().alarms[0].code, "100");
+}
+
 TEST_F(Edit, AWorkOffsetIsShownAtOnce) {
   const double before = bench.controller.live().absolute[1];
   ASSERT_TRUE(write({{"work/G54/Z", 0, -20}}).accepted);

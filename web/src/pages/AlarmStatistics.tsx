@@ -5,7 +5,7 @@ import type { AlarmFigure } from "../api/types";
 import { hours, moment } from "../format/time";
 import { inLanguage } from "../i18n";
 import { useLoad } from "../live/hooks";
-import { ErrorNote } from "../ui/parts";
+import { CsvLink, ErrorNote } from "../ui/parts";
 
 export function AlarmStatistics({ machine, from, to, onCode }: { machine: string | null; from: string | null; to: string | null; onCode: (code: string) => void }) {
   const { t } = useTranslation();
@@ -14,6 +14,7 @@ export function AlarmStatistics({ machine, from, to, onCode }: { machine: string
   return (
     <>
       <ErrorNote error={error} />
+      <div className="table-tools"><CsvLink path={`/alarms/statistics${query({ machine, from: from ?? "1970-01-02", to })}`} /></div>
       <table className="table alarms">
         <thead><tr><th>{t("alarms.code")}</th><th>{t("alarms.text")}</th><th className="right">{t("alarms.times")}</th><th className="right">{t("alarms.machines")}</th><th className="right">{t("alarms.duration")}</th><th className="bar-cell" /><th>{t("alarms.last")}</th></tr></thead>
         <tbody>{(value ?? []).map((one) => (

@@ -5,7 +5,7 @@ import { roles, type Role, type User } from "../api/types";
 import { moment } from "../format/time";
 import { useLoad } from "../live/hooks";
 import { useSession } from "../shell/session";
-import { Button, Dialog, ErrorNote, Field, Note, Panel, toast, useAction } from "../ui/parts";
+import { Button, CsvLink, Dialog, ErrorNote, Field, Note, Panel, toast, useAction } from "../ui/parts";
 
 type Open = { kind: "edit"; user: User | null } | { kind: "remove"; user: User } | null;
 
@@ -19,7 +19,7 @@ export function Users() {
   return (
     <div className="page-part" data-page="users">
       <div className="page-bar"><h1>{t("nav.users")}</h1>
-        <Button kind="primary" icon="plus" onClick={() => setOpen({ kind: "edit", user: null })}>{t("users.add")}</Button></div>
+        <Button kind="primary" icon="plus" onClick={() => setOpen({ kind: "edit", user: null })}>{t("users.add")}</Button><CsvLink path="/users" /></div>
       <ErrorNote error={error} />
       <Panel className="flush">
         <table className="table">

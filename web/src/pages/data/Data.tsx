@@ -9,7 +9,7 @@ import { errorText, reasonText } from "../../i18n";
 import { useLoad, useMachine, useShop } from "../../live/hooks";
 import { address, go, swap, useRoute } from "../../shell/router";
 import { useMay } from "../../shell/session";
-import { Button, Dialog, ErrorNote, Field, Note, Panel, Tabs, toast, useAction } from "../../ui/parts";
+import { Button, CsvLink, Dialog, ErrorNote, Field, Note, Panel, Tabs, toast, useAction } from "../../ui/parts";
 import { conflicts, findRows, itemsOf, pasteAt, shown, toolSheet, valueOf, variableSheet, withEdit, workSheet, type Edit } from "./grid";
 import { LimitsDialog } from "./Limits";
 import { Counts, Orders } from "./Orders";
@@ -71,9 +71,9 @@ function ShopData() {
       {limiting && <LimitsDialog machine={null} onClose={() => setLimiting(false)} />}
       <Requests requests={waiting ?? []} names={names} onChanged={reload} />
       <ErrorNote error={error} />
-      <Panel name="tool-changes" title={t("data.tool_changes")} extra={setter && life && (
+      <Panel name="tool-changes" title={t("data.tool_changes")} extra={<><CsvLink path="/tool-life" />{setter && life && (
         <label className="inline-field">{t("data.short_life")} <select data-field="short-life" value={life.short_life} onChange={(event) => policy(event.target.value)}>
-          {["refuse", "warn", "off"].map((one) => <option key={one} value={one}>{t(`data.short_${one}`)}</option>)}</select></label>)}>
+          {["refuse", "warn", "off"].map((one) => <option key={one} value={one}>{t(`data.short_${one}`)}</option>)}</select></label>)}</>}>
         <ToolLifeTable groups={life?.items ?? []} shopWide /></Panel>
       <Orders machines={machines} names={names} />
       <Counts names={names} />
@@ -251,7 +251,7 @@ function History({ id, changed }: { id: number; changed: number }) {
   const next = more ? more.next : value?.next ?? null;
   return (
     <Panel className="flush" name="history">
-      <div className="data-bar"><input type="search" data-field="search" placeholder={t("data.search_history")} aria-label={t("data.search_history")} value={what} onChange={(event) => setWhat(event.target.value)} /></div>
+      <div className="data-bar"><input type="search" data-field="search" placeholder={t("data.search_history")} aria-label={t("data.search_history")} value={what} onChange={(event) => setWhat(event.target.value)} /><CsvLink path={`/machines/${id}/value-changes${query({ what: wanted })}`} /></div>
       <ErrorNote error={error} />
       <div className="table-box"><table className="table"><thead><tr><th>{t("data.when")}</th><th>{t("data.value")}</th><th className="right">{t("data.before")}</th><th className="right">{t("data.after")}</th><th>{t("data.by_what")}</th><th>{t("data.who")}</th></tr></thead>
         <tbody>{items.map((one) => (

@@ -6,7 +6,7 @@ import type { Machine } from "../../api/types";
 import { moment } from "../../format/time";
 import { useLoad, useShop } from "../../live/hooks";
 import { useMay } from "../../shell/session";
-import { Button, Dialog, Field, Panel, Progress, toast, useAction } from "../../ui/parts";
+import { Button, CsvLink, Dialog, Field, Panel, Progress, toast, useAction } from "../../ui/parts";
 
 interface Order { id: number; name: string; machine: number | null; program: string; required: number; from: string; made: number; rejected: number }
 interface Disagreement { id: number; machine: number; at: string; kind: "counter_step" | "run_parts"; counted: number; witness: number; seen_by: string | null }
@@ -26,7 +26,7 @@ export function Orders({ machines, names }: { machines: Machine[]; names: Map<nu
     reload();
   });
   return (
-    <Panel name="orders" title={t("data.orders")} extra={operator && <Button small icon="plus" data-action="new-order" onClick={() => setMaking(true)}>{t("data.new_order")}</Button>}>
+    <Panel name="orders" title={t("data.orders")} extra={<>{operator && <Button small icon="plus" data-action="new-order" onClick={() => setMaking(true)}>{t("data.new_order")}</Button>}<CsvLink path="/orders" /></>}>
       <div className="table-box"><table className="table"><thead><tr><th>{t("data.order")}</th><th>{t("alarms.machine")}</th><th>{t("machine.program")}</th><th>{t("data.made")}</th><th className="right">{t("times.rejects")}</th><th>{t("data.since")}</th><th /></tr></thead>
         <tbody>{(orders ?? []).map((one) => (
           <tr key={one.id} data-order={one.name}><td><b>{one.name}</b></td><td>{one.machine === null ? t("data.any") : names.get(one.machine) ?? one.machine}</td><td>{one.program || t("data.any")}</td>
@@ -55,11 +55,11 @@ export function Counts({ names }: { names: Map<number, string> }) {
   const { busy, run } = useAction();
   const unseen = (value ?? []).filter((one) => one.seen_by === null);
   return (
-    <Panel name="counts" title={t("data.counts")} extra={<Button small busy={busy} data-action="recount" onClick={() => run(async () => {
+    <Panel name="counts" title={t("data.counts")} extra={<><CsvLink path="/counts/disagreements" /><Button small busy={busy} data-action="recount" onClick={() => run(async () => {
       const found = await list<Recount>("/counts/recount");
       setCounted(found);
       toast(found.every((one) => one.identical) ? "good" : "error", t(found.every((one) => one.identical) ? "data.recount_same" : "data.recount_differs"));
-    })}>{t("data.recount")}</Button>}>
+    })}>{t("data.recount")}</Button></>}>
       {unseen.length === 0 && !counted && <div className="empty small">{t("data.witnesses_agree")}</div>}
       {unseen.map((one) => (
         <div key={one.id} className="request" data-disagreement={one.id}><span><b>{names.get(one.machine) ?? one.machine}</b> · {moment(one.at)} · {t(`data.disagree_${one.kind}`, { counted: one.counted, witness: one.witness })}</span>

@@ -9,7 +9,7 @@ import { errorText, inLanguage, reasonText } from "../../i18n";
 import { useLoad, useShop, type Seen } from "../../live/hooks";
 import { address, go } from "../../shell/router";
 import { useMay } from "../../shell/session";
-import { Button, Dialog, ErrorNote, Field, Panel, Tabs, toast, useAction } from "../../ui/parts";
+import { Button, CsvLink, Dialog, ErrorNote, Field, Panel, Tabs, toast, useAction } from "../../ui/parts";
 import { TokenDialog } from "../AddMachine";
 
 type Tab = "resident" | "runs" | "alarms" | "data";
@@ -49,7 +49,7 @@ function Census({ id, seen }: { id: number; seen: Seen }) {
   return (
     <div className="table-box">
       <ErrorNote error={error} />
-      <div className="records-bar"><a className="button small" href={address(["programs"])}>{t("machine.send")}</a><Button small kind="quiet" onClick={reload}>{t("common.refresh")}</Button></div>
+      <div className="records-bar"><a className="button small" href={address(["programs"])}>{t("machine.send")}</a><Button small kind="quiet" onClick={reload}>{t("common.refresh")}</Button><CsvLink path={`/machines/${id}/programs`} /></div>
       <table className="table"><thead><tr><th>{t("machine.program")}</th><th>{t("programs.revision")}</th><th /><th>{t("machine.resident_since")}</th><th className="right">{t("programs.column_size")}</th><th /></tr></thead>
         <tbody>{(value ?? []).map((one) => {
           const library = one.program_id ?? (typeof one.program === "number" ? one.program : null);
@@ -79,6 +79,7 @@ function Runs({ id }: { id: number }) {
   return (
     <div className="table-box">
       <ErrorNote error={error} />
+      <div className="records-bar"><CsvLink path={`/machines/${id}/runs`} /></div>
       <table className="table"><thead><tr><th>{t("machine.run_started")}</th><th>{t("machine.program")}</th><th>{t("machine.run_outcome")}</th><th className="right">{t("machine.run_duration")}</th><th className="right">{t("machine.cutting_time")}</th><th className="right">{t("machine.parts")}</th><th className="right">{t("machine.run_holds")}</th><th className="right">{t("machine.run_overrides")}</th><th>{t("machine.run_by")}</th></tr></thead>
         <tbody>{(value?.items ?? []).map((one) => (
           <tr key={one.id}><td className="num">{moment(one.started)}</td><td>{one.program}</td>

@@ -7,7 +7,7 @@ import { hours, moment } from "../../format/time";
 import { inLanguage } from "../../i18n";
 import { useLoad } from "../../live/hooks";
 import { useMay } from "../../shell/session";
-import { Button, Dialog, ErrorNote, Field, Panel, StateBadge, toast, useAction } from "../../ui/parts";
+import { Button, CsvLink, Dialog, ErrorNote, Field, Panel, StateBadge, toast, useAction } from "../../ui/parts";
 
 export function Stops({ machine, span, onChanged }: { machine: number; span: { from: string; to: string }; onChanged: () => void }) {
   const { t } = useTranslation();
@@ -25,7 +25,7 @@ export function Stops({ machine, span, onChanged }: { machine: number; span: { f
   });
   const newest = [...(stops ?? [])].reverse();
   return (
-    <Panel name="stops" title={t("times.stops")} extra={may && <Button small onClick={() => setRejecting(true)} data-action="reject">{t("times.enter_rejects")}</Button>}>
+    <Panel name="stops" title={t("times.stops")} extra={<>{may && <Button small onClick={() => setRejecting(true)} data-action="reject">{t("times.enter_rejects")}</Button>}<CsvLink path={`/machines/${machine}/stops${query(span)}`} /></>}>
       <ErrorNote error={error} />
       <table className="table"><tbody>
         {newest.map((stop) => (

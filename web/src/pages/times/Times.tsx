@@ -9,11 +9,13 @@ import { percent, unknownText } from "../../format/number";
 import { useLoad } from "../../live/hooks";
 import { address, swap, useRoute } from "../../shell/router";
 import { useMay } from "../../shell/session";
-import { Button, ErrorNote, Panel, Tabs } from "../../ui/parts";
+import { Button, CsvLink, ErrorNote, Panel, Tabs } from "../../ui/parts";
 import { Counted } from "./Counted";
 import { ShiftsDialog } from "./Shifts";
 import { StateBar, StateLegend } from "./StateBar";
 import { Stops } from "./Stops";
+import { PartsAgainstTarget, Timeline } from "./Timeline";
+import { targetParts } from "./timeline";
 
 const periods = ["today", "yesterday", "7d", "30d"] as const;
 type Period = (typeof periods)[number];
@@ -46,6 +48,7 @@ export function Times() {
   const names = new Map((machines ?? []).map((machine) => [machine.id, machine.name]));
   const to = (machine: number | null, change: Record<string, string | null> = {}) =>
     address(machine === null ? ["times"] : ["times", machine], { period, by: route.search.get("by"), ...change });
+  const most = Math.max(1, ...(pieces ?? []).flatMap((piece) => [piece.parts, targetParts(piece) ?? 0]));
   const row = chosen === null ? undefined : rows?.find((one) => one.machine === chosen);
 
   return (
@@ -53,7 +56,8 @@ export function Times() {
       <div className="page-bar"><h1>{t("nav.times")}</h1>
         <Tabs label={t("times.period")} value={period} onChange={(value) => swap(to(chosen, { period: value }))}
           options={periods.map((value) => ({ value, text: t(`times.${value}`) }))} />
-        {setter && <Button icon="edit" data-action="shifts" onClick={() => setSettings(true)}>{t("times.settings")}</Button>}</div>
+        {setter && <Button icon="edit" data-action="shifts" onClick={() => setSettings(true)}>{t("times.settings")}</Button>}
+        <CsvLink path={`/oee${query(span)}`} /></div>
       {settings && <ShiftsDialog onClose={() => setSettings(false)} onChanged={() => { reload(); reloadPieces(); }} />}
       <ErrorNote error={error} />
       <Panel className="flush">
@@ -78,15 +82,17 @@ export function Times() {
       {chosen !== null && row && (
         <div className="times-detail">
           <Panel name="counted" title={t("times.counted", { machine: names.get(chosen) ?? chosen })}><Counted row={row} /></Panel>
-          <Panel name="pieces" title={<Tabs label={t("times.group")} value={group} onChange={(value) => swap(to(chosen, { by: value }))}
+          <Panel name="pieces" extra={<CsvLink path={`/oee${query({ ...span, machine: chosen, by: group })}`} />} title={<Tabs label={t("times.group")} value={group} onChange={(value) => swap(to(chosen, { by: value }))}
             options={groups.map((value) => ({ value, text: t(`times.by_${value}`) }))} />}>
-            <table className="table times"><tbody>
+            <table className="table times"><thead><tr><th /><th className="bar-column">{t("times.states")}</th><th className="right">OEE</th><th className="parts-column">{t("times.parts_target")}</th><th className="right">{t("times.parts")}</th></tr></thead><tbody>
               {(pieces ?? []).map((piece) => (
                 <tr key={piece.from}><td className="num">{piece.day}{piece.shift ? ` ${piece.shift}` : ""}</td><td className="bar-column"><StateBar row={piece} /></td>
-                  <Figure value={piece.oee} strong /><td className="num right">{piece.parts}</td></tr>))}
+                  <Figure value={piece.oee} strong />
+                  <td className="parts-column"><PartsAgainstTarget row={piece} most={most} /></td><td className="num right">{piece.parts}<span className="dim"> / {targetParts(piece) ?? unknownText}</span></td></tr>))}
             </tbody></table>
             {pieces?.length === 0 && <div className="empty small">{t("times.no_shift")}</div>}
           </Panel>
+          <Timeline machine={chosen} span={span} />
           <Stops machine={chosen} span={span} onChanged={() => { reload(); reloadPieces(); }} />
         </div>
       )}
