@@ -20,7 +20,7 @@ struct Fields {
   std::string port, name, address, machine, protocol, line, folder, program, header, why, settings, at;
   std::vector<std::string> rules;
   std::int64_t revision = 0, from_line = 0, from_block = 0, from_sequence = -1, from_tool = 0, occurrence = 1, id = 0;
-  bool listen = false, no_listen = false, drip = false, queue = false, armed = false, wait = false, yes = false, follow = false;
+  bool listen = false, no_listen = false, drip = false, queue = false, armed = false, wait = false, yes = false, follow = false, write = false;
 };
 
 json find_port(Connection& server, const std::string& wanted) {
@@ -210,6 +210,39 @@ Verb deciding(const char* verb, const std::shared_ptr<Fields>& fields) {
           }};
 }
 
+/// What became of machine data: "3 written, 1 without a place".
+std::string outcome_of(const json& row) {
+  const auto values = row.find("values");
+  if (values == row.end() || !values->is_object()) return "";
+  std::string text;
+  const auto add = [&](const char* what, const std::string& words) {
+    if (values->at(what) != 0) text.append(text.empty() ? ": " : ", ").append(cell(values->at(what))).append(words);
+  };
+  add("written", say(" values written down", " 个值已记录"));
+  add("differ", say(" differ in the machine", " 个值与机床不同"));
+  add("same", say(" as known", " 个值相同"));
+  add("without_place", say(" kept in the set only", " 个值仅保存在数据集中"));
+  if (!values->at("request").is_null())
+    text.append("; ").append(say("request ", "请求 ")).append(cell(values->at("request"))).append(" ").append(cell(values->at("request_state")));
+  if (!values->at("request_reason").is_null()) text.append(" ").append(cell(values->at("request_reason")));
+  return text;
+}
+
+Verb accepting(const std::shared_ptr<Fields>& fields) {
+  Verb verb = deciding("accept", fields);
+  const auto options = verb.options;
+  verb.options = [fields, options](CLI::App& made) {
+    options(made);
+    made.add_flag("--write", fields->write, "Machine data of a machine with an agent: write what differs into it");
+  };
+  verb.run = [](Context& context, const Fields& given) {
+    auto server = context.connect();
+    const auto row = server.send("POST", "/received/" + std::to_string(given.id) + "/accept", {{"why", given.why}, {"write", given.write}});
+    show(context, row, cell(row.at("name")) + " " + cell(row.at("state")) + outcome_of(row));
+  };
+  return verb;
+}
+
 }  // namespace
 
 void add_port_commands(CLI::App& app, Context& context) {
@@ -339,7 +372,7 @@ void add_port_commands(CLI::App& app, Context& context) {
                                   say("against", "对比版本"), say("changes", "变化"), say("state", "状态")}, rows));
     });
   });
-  command(*received, context, fields, "accept", "Make it a new revision, from machine", deciding("accept", fields), false);
+  command(*received, context, fields, "accept", "Make it a new revision, from machine; machine data become values of its pages", accepting(fields), false);
   command(*received, context, fields, "reject", "Put it aside; the library stays as it is", deciding("reject", fields), false);
 }
 

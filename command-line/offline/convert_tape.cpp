@@ -162,7 +162,7 @@ void add_convert_tape(CLI::App& app, int& exit_status) {
       ->capture_default_str()
       ->check(CLI::IsMember({"lf", "crlf", "lfcrcr", "cr", "keep"}));
   command->add_option("--symbols", options->symbols,
-                      "EIA holes of * = # [ ] ? @ & _ (parameters No.6010-6018), as #=4C,*=0D");
+                      "EIA holes of * = # [ ] ? @ & _ (parameters No.6010-6018), and of others, as #=4C,*=0D");
   command->add_option("--leader", options->leader, "Blank characters in front")->check(CLI::Range(0, 10'000));
   command->add_option("--trailer", options->trailer, "Blank characters behind")->check(CLI::Range(0, 10'000));
   command->add_flag("--frame", options->frame, "Put % lines around the program where they are missing");

@@ -259,6 +259,11 @@ std::string Agent::panel(const std::string& request) {
     spdlog::info("{} at the panel: {}", text("name"), result.accepted ? "written" : "refused, " + result.reason);
     return answer_json({result.accepted, result.reason}).dump();
   }
+  if (verb == "touch") {
+    const auto result = desk_->touch_here(text("name"));
+    spdlog::info("{} touched at the panel: {}", text("name"), result.accepted ? "written" : "refused, " + result.reason);
+    return answer_json({result.accepted, result.reason}).dump();
+  }
   if (verb == "get_value") {
     const auto value = desk_->value_here(text("name"));
     if (!value) return answer_json({false, "bad_place"}).dump();

@@ -135,6 +135,17 @@ operation::EditResult DataDesk::write_here(const std::string& assignment, const 
   return controller_.edit_values(request);
 }
 
+operation::EditResult DataDesk::touch_here(const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == assignment.npos || equals == 0) return {false, "bad_request", assignment, 0};
+  const std::string number = assignment.substr(equals + 1);
+  char* end = nullptr;
+  const double place = std::strtod(number.c_str(), &end);
+  if (number.empty() || end != number.c_str() + number.size() || !std::isfinite(place))
+    return {false, "bad_value", assignment, 0};
+  return controller_.touch({assignment.substr(0, equals), place, {}});
+}
+
 std::optional<std::optional<double>> DataDesk::value_here(const std::string& what) const {
   const interp::ValueRead read = interp::read_value(controller_.data(), axis_names_, what);
   if (!read.known) return std::nullopt;

@@ -29,6 +29,8 @@ class DataDesk {
   void write(const nlohmann::json& request, Done done);
   /// At the panel: "tool/3/wear/X=0.02", "tool/3/wear/X+=0.02", "variable/500=" (erases).
   operation::EditResult write_here(const std::string& assignment, const std::string& origin);
+  /// At the panel: "tool/3/geometry/X=42.5": the tool touches a diameter of 42.5; see operation/data_edit.hpp.
+  operation::EditResult touch_here(const std::string& assignment);
   /// As the controller has it now; nothing inside: not set; nothing at all: the machine has no such value.
   std::optional<std::optional<double>> value_here(const std::string& what) const;
   /// The switch at the machine that lets parameters be written; off after every start. While it is on the control is in

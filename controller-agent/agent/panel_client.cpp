@@ -70,6 +70,7 @@ constexpr Verb kVerbs[] = {
     {"value", "get_value", Takes::name, "show an offset, parameter or variable: tool/3/wear/X"},
     {"set", "set_value", Takes::name, "write an offset, parameter or variable: tool/3/wear/X=0.02, tool/3/wear/X+=0.01"},
     {"measured", "measured_value", Takes::name, "the same as a measured value: tool/3/geometry/X=-112.4"},
+    {"touch", "touch", Takes::name, "the tool touches a place: tool/3/geometry/X=42.5, work/G54/Z=0"},
     {"parameter-write", "parameter_write", Takes::on_off, "on: parameters may be written (here and from the server); an alarm until it is off and reset"},
     {"clear-parts", "reset_parts", Takes::nothing, "part count to zero (the total stays)"},
 };

@@ -6,25 +6,38 @@ namespace headstock::comp {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kStraightOn = 1e-7;  // rad
-constexpr double kNearlyTangent =
-    2 * kDegree;  // end points are rounded: offset paths may just miss each other
+constexpr double kStraightOn = 1e-7;  // sine
+const double kDegreeSine = std::sin(kDegree);
+const double kNearlyTangent =
+    std::sin(2 * kDegree);  // end points are rounded: offset paths may just miss each other
 constexpr double kAgainst_mm = 1e-6;
 constexpr double kLonger_mm = 0.01;
 
+// From the end of one block to the start of the other. Angles are never needed, only their sines and cosines.
 struct Turn {
-  double angle;      // from the end of one to the start of the other, + to the left
-  bool inside;       // on the tool's side
-  double workpiece;  // angle on the workpiece side
+  Point before, after;  // unit vectors
+  Point n1, n2;         // vectors normal to them, on the tool's side
+  double sine, cosine;  // of the turn, + to the left
+  bool inside;          // on the tool's side
+
+  bool straight() const { return cosine > 0 && std::fabs(sine) < kStraightOn; }
+  bool nearly_straight() const { return cosine > 0 && std::fabs(sine) < kNearlyTangent; }
+  // Back on itself: more than 359 degrees (inside) or less than 1 (outside) on the workpiece side.
+  bool back() const { return cosine < 0 && std::fabs(sine) < kDegreeSine; }
+  // Outside: 90 degrees or more on the workpiece side.
+  bool obtuse() const { return cosine >= -1e-9; }
 };
 
 Turn turn_between(const Segment& a, const Segment& b, double r) {
-  const Point before = a.direction_at_end(), after = b.direction_at_start();
   Turn turn{};
-  turn.angle = std::atan2(cross(before, after), dot(before, after));
-  const double to_tool = r > 0 ? turn.angle : -turn.angle;
-  turn.inside = to_tool >= 0;
-  turn.workpiece = std::numbers::pi + to_tool;
+  turn.before = a.direction_at_end();
+  turn.after = b.direction_at_start();
+  turn.n1 = left_of(turn.before) * r;
+  turn.n2 = left_of(turn.after) * r;
+  turn.sine = cross(turn.before, turn.after);
+  turn.cosine = dot(turn.before, turn.after);
+  const bool left = !std::signbit(turn.sine);
+  turn.inside = (turn.sine == 0 && turn.cosine > 0) || left == (r > 0);
   return turn;
 }
 
@@ -34,7 +47,7 @@ Vectors around(Point n1, Point n2, const Turn& turn) {
   v.add(n1);
   v.add(n2);
   v.circular = true;
-  v.turn = turn.angle > 0 ? 1 : -1;
+  v.turn = turn.sine > 0 ? 1 : -1;
   return v;
 }
 
@@ -65,12 +78,12 @@ Point normal_at_start(const Segment& segment, double r) {
 }
 
 Vectors corner(const Segment& a, const Segment& b, double r, const OffsetRules& rules) {
-  const Point n1 = normal_at_end(a, r), n2 = normal_at_start(b, r);
   const Turn turn = turn_between(a, b, r);
-  if (std::fabs(turn.angle) < kStraightOn) return single(n1);
+  const Point n1 = turn.n1, n2 = turn.n2;
+  if (turn.straight()) return single(n1);
   Vectors v;
   if (turn.inside) {
-    if (turn.workpiece > 359 * kDegree) {  // back on itself: no search for a crossing
+    if (turn.back()) {  // back on itself: no search for a crossing
       v.add(n1);
       v.add(n2);
       return v;
@@ -80,7 +93,7 @@ Vectors corner(const Segment& a, const Segment& b, double r, const OffsetRules& 
       v.add(crossing(n1, n2, r));
     } else if (inside_vector(a, b, r, at)) {
       v.add(at);
-    } else if (std::fabs(turn.angle) < kNearlyTangent) {
+    } else if (turn.nearly_straight()) {
       v.add(n1);
     }
     return v;
@@ -88,30 +101,30 @@ Vectors corner(const Segment& a, const Segment& b, double r, const OffsetRules& 
   if (rules.circular_outside) return around(n1, n2, turn);
   const double size = std::fabs(r);
   if (a.arc) v.add(n1);
-  if (turn.workpiece >= 90 * kDegree - 1e-9) {
+  if (turn.obtuse()) {
     v.add(crossing(n1, n2, r));
   } else {
-    v.add(n1 + a.direction_at_end() * size);
-    v.add(n2 - b.direction_at_start() * size);
+    v.add(n1 + turn.before * size);
+    v.add(n2 - turn.after * size);
   }
   if (b.arc) v.add(n2);
   return v;
 }
 
 Vectors start_up(const Segment& a, const Segment& b, double r, const OffsetRules& rules) {
-  const Point n1 = normal_at_end(a, r), n2 = normal_at_start(b, r);
   const Turn turn = turn_between(a, b, r);
-  if (rules.start == StartType::a || turn.inside || turn.workpiece <= 1 * kDegree) return single(n2);
+  const Point n1 = turn.n1, n2 = turn.n2;
+  if (rules.start == StartType::a || turn.inside || turn.back()) return single(n2);
   const double size = std::fabs(r);
   Vectors v;
   if (rules.circular_outside) return around(n1, n2, turn);
-  if (turn.workpiece >= 90 * kDegree - 1e-9) {
+  if (turn.obtuse()) {
     if (rules.start_by_normal) v.add(n1);
     v.add(crossing(n1, n2, r));
   } else {
     v.add(n1);
-    v.add(n1 + a.direction_at_end() * size);
-    v.add(n2 - b.direction_at_start() * size);
+    v.add(n1 + turn.before * size);
+    v.add(n2 - turn.after * size);
   }
   if (b.arc) v.add(n2);
   return v;
@@ -153,6 +166,24 @@ Vectors change_side(const Segment& a, double r_a, const Segment& b, double r_b) 
   return v;
 }
 
+bool is_groove(const Segment& a, const Segment& b, const Segment& c, double r) {
+  return !b.arc && turn_between(a, b, r).inside && turn_between(b, c, r).inside;
+}
+
+Point normal_of(Point direction, double r) {
+  const double size = length(direction);
+  return size > 0 ? left_of(direction * (1 / size)) * r : Point{};
+}
+
+Vectors cancel_at_wall(const Segment& a, Point direction, double r) {
+  const Segment wall = line(a.to, a.to + direction);
+  const Turn turn = turn_between(a, wall, r);
+  Point at;
+  // On a straight line the two paths are one; where the wall leads straight back there is no crossing.
+  const bool meets = !turn.straight() && !turn.back() && inside_vector(a, wall, r, at);
+  return single(meets ? at : normal_at_end(a, r));
+}
+
 Vectors corner_arc(const Segment& a, Point after, double r) {
   const Point before = a.direction_at_end();
   Vectors v;
@@ -166,7 +197,9 @@ Vectors corner_arc(const Segment& a, Point after, double r) {
 Between check(const Segment& block, Point start, Point end) {
   const Point s = block.from + start, e = block.to + end;
   if (!block.arc) {
-    return dot(e - s, block.direction_at_start()) < -kAgainst_mm ? Between::reversed : Between::good;
+    const Point way = block.to - block.from;
+    const double along = dot(e - s, way);
+    return along < 0 && along < -kAgainst_mm * length(way) ? Between::reversed : Between::good;
   }
   if (length(e - s) < kAgainst_mm && block.sweep < std::numbers::pi) return Between::good;
   double sweep = swept(s, e, block.center, block.turn);

@@ -69,6 +69,11 @@ Vectors start_up(const Segment& a, const Segment& b, double r, const OffsetRules
 Vectors cancel(const Segment& a, const Segment& b, double r, const OffsetRules& rules);
 /// The side changes between the two.
 Vectors change_side(const Segment& a, double r_a, const Segment& b, double r_b);
+/// The vector square to a direction (I J K of a block with G41/G42), on the tool's side.
+Point normal_of(Point direction, double r);
+/// G40 with I J K: the contour is taken to go on from `a` as a wall in that direction. Where the path beside
+/// `a` meets the path beside the wall; no crossing: the normal at the end of `a` (K2000TC L17333).
+Vectors cancel_at_wall(const Segment& a, Point direction, double r);
 /// A circle about the corner from normal to normal (G39). `after`: the direction that the end is normal to.
 Vectors corner_arc(const Segment& a, Point after, double r);
 
@@ -84,6 +89,9 @@ Between check(const Segment& block, Point start, Point end);
 /// block. @return reversed: it helped not; the vectors are as they were.
 /// `straight`: the block is an arc that must run as a line now.
 Between settle(const Segment& block, Vectors& start, Vectors& end, double r, bool& straight);
+
+/// Whether the straight `b` is the floor of a groove: both its neighbours rise toward the tool.
+bool is_groove(const Segment& a, const Segment& b, const Segment& c, double r);
 
 /// Whether the straight way from one point to another keeps the distance r (less 0.01 mm) from the whole
 /// block.

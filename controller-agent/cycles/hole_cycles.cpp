@@ -110,8 +110,16 @@ bool prepare_tap(Executor& ex, const Rules& rules, const HoleCode& code, Hole& h
   if (!hole.synchronous) return true;
   const program::Block& b = ex.block;
   if (!(ex.rpm > 0) || ex.constant_surface_speed) return fail(ex, rules, Fault::rigid_speed, 'S');
-  const double most = ex.data.parameter("5241");
+  constexpr std::string_view kMostOfGear[] = {"5241", "5242", "5243", "5244"};
+  const std::size_t gear = std::clamp<std::size_t>(ex.gear_of(ex.rpm), 1, std::size(kMostOfGear)) - 1;
+  const double most = ex.data.parameter(kMostOfGear[gear]);
   if (!k2000 && most > 0 && ex.rpm > most) return fail(ex, rules, Fault::rigid_speed, 'S');
+  if (k2000) {
+    const double spindle = ex.data.parameter("P2730");  // an axis that taps as the spindle
+    const auto its = static_cast<std::size_t>(spindle);
+    if (spindle >= 1 && (its > ex.axes.size() || !ex.axes[its - 1].rotary))
+      return ex.alarm_code("PS0277", ex.code_column, "P2730");
+  }
   if (k2000) {  // F is the lead, or I threads per inch
     if (b.has('F')) words.lead_mm = b['F'].value() * ex.unit_mm;
     if (b.has('I') && b['I'].value() > 0) words.lead_mm = 25.4 / b['I'].value();
@@ -251,6 +259,7 @@ bool hole_cycle(Executor& ex) {
 bool hole_cancel(Executor& ex) {
   ex.cycle.hole = {};
   ex.cycle.rigid_next = false;
+  ex.cycle.rigid_tap_axis = -1;
   return true;
 }
 

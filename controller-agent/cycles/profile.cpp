@@ -289,8 +289,8 @@ bool take_range(Executor& ex, const Rules& rules, BlockRange& range) {
     if (!b.has(letter)) return fail(ex, rules, Fault::no_range, letter);
     const program::Word& word = b[letter];
     const std::int64_t number = word.integer();
-    if (number < 0 || number > 99'999'999 || word.digits % program::kPowerOfTen[word.decimals] != 0) {
-      return fail(ex, rules, Fault::range_order, letter);
+    if (number < 0 || number > rules.most_sequence || word.digits % program::kPowerOfTen[word.decimals] != 0) {
+      return fail(ex, rules, Fault::range_number, letter);
     }
     (letter == 'P' ? range.first : range.last) = static_cast<std::uint32_t>(number);
   }

@@ -24,6 +24,7 @@ Rules fanuc_t() {
   r.profile = "fanuc-0i-t";
   set_alarms(r, "PS0010",
              {{F::no_range, "PS0061"},
+              {F::range_number, "PS0063"},
               {F::range_order, "PS0063"},
               {F::not_found, "PS0063"},
               {F::not_following, "PS0063"},
@@ -103,6 +104,7 @@ Rules gsk_2000tc() {
   r.profile = "gsk-2000tc";
   set_alarms(r, "130",
              {{F::no_range, "063"},
+              {F::range_number, "063"},
               {F::range_order, "063"},
               {F::not_found, "063"},
               {F::not_following, "063"},
@@ -167,8 +169,10 @@ Rules gsk_2000tc() {
 Rules gsk_218t() {
   Rules r = gsk_2000tc();
   r.profile = "gsk-218t";
+  r.most_sequence = 9'999;
   set_alarms(r, "145",
              {{F::no_range, "053"},
+              {F::range_number, "166"},
               {F::range_order, "158"},
               {F::not_found, "063"},
               {F::not_following, "156"},
@@ -229,6 +233,7 @@ Rules k2000tc() {
   r.profile = "k2000tc";
   set_alarms(r, "PS1204",
              {{F::no_range, "PS0004"},
+              {F::range_number, "PS1202"},
               {F::range_order, "PS1202"},
               {F::not_found, "PS0128"},
               {F::not_following, "PS0128"},

@@ -18,6 +18,7 @@ namespace headstock::cycles {
 enum class Fault : std::uint8_t {
   // ---- profiles of G70-G73
   no_range,          ///< P or Q missing
+  range_number,      ///< P or Q is no sequence number
   range_order,       ///< P not before Q, or not a number
   not_found,         ///< no block with that number
   not_following,     ///< the profile does not follow the cycle's block
@@ -104,6 +105,7 @@ enum class Check : std::uint8_t { always, by_k_word, unless_parameter };
 
 struct Rules {
   std::string_view profile;
+  std::int64_t most_sequence = 99'999'999;  ///< largest N that P and Q of a profile may name
   std::array<std::string_view, static_cast<std::size_t>(Fault::count_)> alarms{};
   Parameters parameters;
   Stops stops = Stops::passes;  ///< of single block inside G71-G75

@@ -47,6 +47,10 @@ bool tapping(Executor& ex) {
   const bool rigid = ex.cycle.rigid_next || ex.data.bit(rules.rigid_tap_parameter);
   hole.follows = !rigid;
   hole.stands_after = !rigid && !rules.rigid_tap_parameter.empty();
+  int& tapping_axis = ex.cycle.rigid_tap_axis;  // G84 → G88 needs G80 between them (2000TC L4391)
+  if (rigid && tapping_axis >= 0 && tapping_axis != static_cast<int>(*axis))
+    return ex.alarm(dialects::AlarmReason::rigid_tap_axis, ex.code_column, std::string(ex.code->name));
+  tapping_axis = rigid && ex.code == ex.motion_code ? static_cast<int>(*axis) : -1;
   if (rigid && !(ex.rpm > 0)) return fail(ex, rules, Fault::rigid_speed, 'S');
   if (!rigid && ex.spindle_direction == SpindleDirection::stop)
     return fail(ex, rules, Fault::rigid_program, 'S', "spindle not turning");

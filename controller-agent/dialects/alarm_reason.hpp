@@ -223,13 +223,13 @@ enum class AlarmReason : std::uint8_t {
   compensation_again,         ///< …, interference again behind it
   rigid_tap_move,             ///< a move (or S) between M29 and its tapping cycle
   rigid_tap_plane,            ///< the plane changes there or in the cycle
+  rigid_tap_axis,             ///< another tapping axis while rigid tapping is in force: as rigid_tap_again
   rigid_tap_again,            ///< M29 while a tapping cycle is in force
   drawing_unit,               ///< G20/G21 between an angle block and the next
   drawing_polar,              ///< G12.1/G13.1 there
   drawing_mirror,             ///< a mirror image there
   drawing_plane,              ///< another plane there
   // ---- ranges and places that only some controls print a number for
-  offset_value,         ///< an offset taken up is larger than any may be: as offset_number
   arc_r_too_large,      ///< as value_range
   surface_speed_zero,   ///< S0 under G96: as value_range
   computed_number,      ///< O or N by a variable: as program_number
@@ -238,7 +238,18 @@ enum class AlarmReason : std::uint8_t {
   offset_name,          ///< [#_OFS…] of another kind of offset memory: as macro_no_name
   transform_overflow,   ///< scaling, rotation or a cylinder leads too far: as position_overflow
   compensated_overflow, ///< a crossing of compensation lies too far away: as position_overflow
-  measure_no_length,    ///< G36/G37: no offsets on this axis: as measure_axis
+  // ---- finer reasons of offsets, compensation and corners (see dialect.cpp for those that share a number)
+  measure_no_length,       ///< G36/G37: the axis takes no length offset: as measure_axis
+  offset_value,            ///< an offset larger than the control takes: as offset_number
+  corner_chamfer_size,     ///< a chamfer longer than what it cuts off: as corner_too_large
+  corner_short_line,       ///< a chamfer or round that ends beyond its line: as corner_too_large
+  compensation_groove,     ///< a straight block between two walls nearer than the tool: as compensation_interference
+  compensation_arc_end,    ///< an arc under compensation that ends beside itself: as arc_radius
+  compensation_arc_again,  ///< G41/G42 in a block with G02/G03: as compensation_start_arc
+  call_with_cycle,         ///< M98/M99 in the block of a cycle: as compensation_call
+  two_cycles,              ///< two multiple repetitive cycles in a block: as g_same_group
+  normal_direction,        ///< G41.1/G42.1: parameters missing or wrong
+  normal_direction_axis,   ///< …: the axis that is turned is commanded: as illegal_address
   count_                   // number of reasons
 };
 

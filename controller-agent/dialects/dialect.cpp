@@ -91,7 +91,6 @@ constexpr std::pair<R, R> kFinerReasons[] = {
     {R::too_many_words, R::too_many_m},
     {R::macro_word_unknown, R::macro_syntax},
     {R::call_in_hole_cycle, R::macro_with_words},
-    {R::offset_value, R::offset_number},
     {R::arc_r_too_large, R::value_range},
     {R::surface_speed_zero, R::value_range},
     {R::computed_number, R::program_number},
@@ -100,7 +99,6 @@ constexpr std::pair<R, R> kFinerReasons[] = {
     {R::offset_name, R::macro_no_name},
     {R::transform_overflow, R::position_overflow},
     {R::compensated_overflow, R::position_overflow},
-    {R::measure_no_length, R::measure_axis},
 };
 
 // "G54.1" → 541.
@@ -200,8 +198,9 @@ std::span<const std::string_view> dialect_names() {
 
 const Dialect* find(std::string_view profile) {
   static const std::array<Dialect, std::size(kProfiles)> dialects = [] {
-    std::array<Dialect, std::size(kProfiles)> made = {make_fanuc_0i_t(), make_fanuc_0i_m(), make_gsk_2000tc(),
-                                                      make_gsk_218t(),   make_k2000tc(),    make_lathe_200t()};
+    std::array<Dialect, std::size(kProfiles)> made = {make_fanuc_0i_t(), make_fanuc_0i_m(),
+                                                      make_gsk_2000tc(), make_gsk_218t(),
+                                                      make_k2000tc(),    make_lathe_200t()};
     for (Dialect& dialect : made) set_path_rules(dialect);
     return made;
   }();

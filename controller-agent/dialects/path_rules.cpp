@@ -45,10 +45,12 @@ const Codes kFanucCodes = {{R::corner_words, "PS0053"},
                            {R::compensation_call, "PS0010"},
                            {R::rigid_tap_move, "PS0204"},
                            {R::rigid_tap_plane, "PS0206"},
+                           {R::offset_value, "PS0029"},
                            {R::corner_arc_with_move, "PS5445"}};
 
 // The M series has chamfers at any angle only: its numbers for a wrong next block are one (0i-D K.53).
-const Codes kFanucMillCodes = {{R::corner_not_feed, "PS0051"},     {R::corner_words, "PS0010"},
+const Codes kFanucMillCodes = {{R::normal_direction, "PS1470"},    {R::normal_direction_axis, "PS0009"},
+                               {R::corner_not_feed, "PS0051"},     {R::corner_words, "PS0010"},
                                {R::corner_taper, "PS0051"},        {R::corner_profile_end, "PS0051"},
                                {R::corner_axis, "PS0051"},         {R::corner_comma, "PS0010"},
                                {R::drawing_no_end, "PS0010"},      {R::drawing_no_solution, "PS0010"},
@@ -59,22 +61,26 @@ const Codes kGskCodes = {{R::compensation_no_crossing, "033"},  {R::compensation
                          {R::compensation_arc_centre, "038"},   {R::compensation_overcut, "041"},
                          {R::compensation_interference, "041"}, {R::compensation_quiet_blocks, "041"}};
 
-const Codes kGsk218tCodes = {{R::compensation_side, "035"},         {R::compensation_number, "036"},
-                             {R::compensation_quiet_blocks, "039"}, {R::compensation_refused, "064"},
-                             {R::compensation_call, "149"},         {R::compensation_plane, "040"},
-                             {R::compensation_corner, "040"}};
+const Codes kGsk218tCodes = {{R::compensation_side, "035"},
+                             {R::compensation_number, "036"},
+                             {R::compensation_quiet_blocks, "039"},
+                             {R::compensation_refused, "064"},
+                             {R::compensation_call, "149"},
+                             {R::compensation_plane, "040"},
+                             {R::compensation_corner, "040"},
+                             {R::compensation_arc_again, "042"},
+                             {R::two_cycles, "133"},
+                             {R::call_with_cycle, "165"},
+                             {R::offset_value, "029"}};
 
-const Codes kGsk2000tcCodes = {{R::corner_too_large, "192"},
-                               {R::corner_no_move, "191"},
-                               {R::corner_not_feed, "191"},
-                               {R::compensation_interference, "197"},
-                               {R::compensation_refused, "131"},
-                               {R::compensation_call, "149"},
-                               {R::compensation_plane, "131"},
-                               {R::compensation_corner, "131"},
-                               {R::rigid_tap_move, "195"},
-                               {R::rigid_tap_again, "196"},
-                               {R::mdi_cycle, "193"}};
+const Codes kGsk2000tcCodes = {{R::corner_too_large, "192"},     {R::corner_no_move, "191"},
+                               {R::corner_not_feed, "191"},      {R::corner_chamfer_size, "190"},
+                               {R::corner_short_line, "191"},    {R::compensation_interference, "197"},
+                               {R::compensation_groove, "198"},  {R::compensation_arc_end, "199"},
+                               {R::compensation_refused, "131"}, {R::compensation_call, "149"},
+                               {R::compensation_plane, "131"},   {R::compensation_corner, "131"},
+                               {R::rigid_tap_move, "195"},       {R::rigid_tap_again, "196"},
+                               {R::rigid_tap_axis, "194"},       {R::mdi_cycle, "193"}};
 
 const Codes kK2000Codes = {{R::corner_words, "PS9003"},
                            {R::corner_thread, "PS0052"},
@@ -97,8 +103,11 @@ const Codes kK2000Codes = {{R::corner_words, "PS9003"},
                            {R::compensation_number, "PS0033"},
                            {R::compensation_plane, "PS0040"},
                            {R::compensation_arc_centre, "PS0038"},
-                           {R::compensation_overcut, "PS0041"},
+                           {R::compensation_overcut, "PS9008"},
+                           {R::compensation_groove, "PS9008"},
                            {R::compensation_corner, "PS0297"},
+                           {R::measure_no_length, "PS0237"},
+                           {R::arc_r_too_small, "PS9001"},
                            {R::compensation_interference, "PS0041"},
                            {R::compensation_quiet_blocks, "PS0041"},
                            {R::compensation_refused, "PS0048"},
@@ -108,6 +117,26 @@ const Codes kK2000Codes = {{R::corner_words, "PS9003"},
                            {R::drawing_polar, "PS0430"},
                            {R::drawing_mirror, "PS0431"},
                            {R::drawing_plane, "PS0432"}};
+
+// Reasons that only some controls have a number of their own for: the others print that of the second.
+constexpr std::pair<R, R> kFiner[] = {
+    {R::measure_no_length, R::measure_axis},
+    {R::offset_value, R::offset_number},
+    {R::corner_chamfer_size, R::corner_too_large},
+    {R::corner_short_line, R::corner_too_large},
+    {R::compensation_groove, R::compensation_interference},
+    {R::compensation_arc_end, R::arc_radius},
+    {R::compensation_arc_again, R::compensation_start_arc},
+    {R::call_with_cycle, R::compensation_call},
+    {R::rigid_tap_axis, R::rigid_tap_again},
+    {R::rigid_tap_plane, R::rigid_tap_again},
+    {R::two_cycles, R::g_same_group},
+    {R::normal_direction_axis, R::illegal_address},
+    {R::drawing_unit, R::drawing_blocks},
+    {R::drawing_polar, R::drawing_blocks},
+    {R::drawing_mirror, R::drawing_blocks},
+    {R::drawing_plane, R::drawing_blocks},
+};
 
 struct PathRules {
   std::string_view profile;
@@ -126,13 +155,16 @@ std::vector<PathRules> make_table() {
     r.corners.bare_parameter = "3405#4";  // CCR
     r.corners.perpendicular_words = true;
     r.corner_words = letters("IJKRCA");
-    r.compensation.off_parameter = "8136#7";  // NCR
+    r.compensation.vector_words = comp::VectorWords::cancel;
+    r.compensation.off_parameter = "8136#7";        // NCR
     r.compensation.mdi_alarm_parameter = "5008#4";  // MCR
     r.compensation.type_b_parameter = "5003#0";
-    r.compensation.type_c_parameter = "5003#1";  // SUV
-    r.compensation.avoid_parameter = "19607#5";  // CAV
-    r.compensation.stop_parameter = "5000#0";    // SBK
-    r.corners.stop_parameter = "5105#0";         // SBC
+    r.compensation.type_c_parameter = "5003#1";     // SUV
+    r.compensation.avoid_parameter = "19607#5";     // CAV
+    r.compensation.no_check_parameter = "5008#3";   // CNV
+    r.compensation.arcs_only_parameter = "5008#1";  // CNC
+    r.compensation.stop_parameter = "5000#0";       // SBK
+    r.corners.stop_parameter = "5105#0";            // SBC
     r.compensation.start_by_normal = true;
     r.compensation.circular_parameter = "19607#2";
     r.compensation.read_ahead_parameter = "19625";
@@ -146,7 +178,8 @@ std::vector<PathRules> make_table() {
     r.corners.comma_letters = letters("CR");
     r.corners.stop_parameter = "5105#0";  // SBC
     r.corners.arcs = true;
-    r.corner_words = 0;
+    r.corner_words = letters("IJK");
+    r.compensation.vector_words = comp::VectorWords::all;
     r.compensation.by_d = true;
     r.compensation.off_parameter = {};
     r.compensation.diameter_parameter = "5004#2";  // ODI
@@ -165,6 +198,7 @@ std::vector<PathRules> make_table() {
     r.compensation.enable_parameter = "S002.1";
     r.compensation.type_b_parameter = "S172.3";
     r.compensation.check_parameter = "S207.0";
+    r.compensation.to_intermediate_parameter = "S172.4";  // CCN
     r.compensation.tips_in_all_planes = false;
     r.compensation.threads_refused = true;
     r.compensation.calls_refused = true;  // L6020 ff.
@@ -195,6 +229,7 @@ std::vector<PathRules> make_table() {
     r.corners.arcs = true;
     r.corners.parallel_deg = 1;
     r.corner_words = letters("IJKRCA");
+    r.compensation.vector_words = comp::VectorWords::cancel;
     r.compensation.enable_parameter = "P0002.1";  // CRC
     r.compensation.start = comp::StartType::b;
     r.compensation.near_parameter = "P3210";
@@ -217,6 +252,13 @@ void set_path_rules(Dialect& dialect) {
     dialect.corner_words = row.corner_words;
     for (const Codes* codes : row.codes) {
       for (const auto& [reason, code] : *codes) dialect.set_alarm_code(reason, code);
+    }
+    for (const auto& [fine, coarse] : kFiner) {
+      bool own = false;
+      for (const Codes* codes : row.codes) {
+        for (const auto& code : *codes) own = own || code.first == fine;
+      }
+      if (!own) dialect.set_alarm_code(fine, dialect.alarm_code(coarse));
     }
   }
 }

@@ -123,7 +123,8 @@ bool Executor::arc(Turn turn) {
                    word.column, "I J K");
     const double mismatch = std::fabs(distance(to, center) - radius);
     if (tolerance > 0 && mismatch > tolerance) {
-      return alarm(AlarmReason::arc_radius, word.column, std::to_string(mismatch) + " mm");
+      return alarm(pipeline.side() != 0 ? AlarmReason::compensation_arc_end : AlarmReason::arc_radius,
+                   word.column, std::to_string(mismatch) + " mm");
     }
   } else {
     return alarm(AlarmReason::arc_no_center, 0, "R I J K");

@@ -51,6 +51,9 @@ bool Executor::execute_words() {
   if (data_input.line != nullptr && !(block.g_count == 1 && block.g[0].tenths == 110))
     return check_words() && data_input.line(*this);
   if (!check_words() || !take_codes()) return false;
+  if (block.g_count != 0 && (pipeline.line_is_open() || drawing_block()) && !drawing_allows_codes())
+    return false;
+  if (block.m_count != 0 && !calls_fit_cycle()) return false;
   if (surface.now.kind != SurfaceKind::none && !surface_allows()) return false;
   if (dialect.compensation.by_d && block.has('D') && !take_d()) return false;
   if (length_sign != 0) tool_offset::follow_changes(*this);
@@ -106,6 +109,20 @@ bool Executor::execute_words() {
   }
   if (block.m_count != 0 && !(run_m_codes(true) && run_program_flow())) return false;
   if (move_calls && motions != motions_before && !finished) return call_modal();
+  return true;
+}
+
+// M98 and M99 beside a turning cycle, on controls that have a number for it (218T 165).
+bool Executor::calls_fit_cycle() {
+  if (dialect.alarm_code(AlarmReason::call_with_cycle) == dialect.alarm_code(AlarmReason::compensation_call))
+    return true;
+  const bool box = action == nullptr && motion_code->cycle && (block.words & axis_letters) != 0;
+  if (!box && (action == nullptr || !action->cycle)) return true;
+  for (std::size_t i = 0; i < block.m_count; ++i) {
+    const dialects::MAction what = dialect.m_action(block.m[i].tenths / 10);
+    if (what == dialects::MAction::call || what == dialects::MAction::return_)
+      return alarm(AlarmReason::call_with_cycle, block.m[i], 'M');
+  }
   return true;
 }
 
@@ -174,6 +191,7 @@ bool Executor::take_codes() {
   pending_axes = 0;
   const GCode* new_motion = nullptr;
   const GCode* new_hole = nullptr;
+  const GCode* cycle_code = nullptr;  // of G70-G76
   std::uint32_t groups = 0;
   for (std::size_t i = 0; i < block.g_count; ++i) {
     const program::Code& written = block.g[i];
@@ -189,6 +207,10 @@ bool Executor::take_codes() {
         return alarm(AlarmReason::g_same_group, written, 'G');
       }
       groups |= bit;
+    }
+    if (row->cycle && row->phase == Phase::action) {
+      if (cycle_code != nullptr && cycle_code != row) return alarm(AlarmReason::two_cycles, written, 'G');
+      cycle_code = row;
     }
     switch (row->phase) {
       case Phase::unavailable:
@@ -295,7 +317,8 @@ bool Executor::run_m_codes(bool after_motion) {
         break;
       case MAction::rigid_tapping:
         // G84 and G88 as modal codes of group 01 (GSK 2000TC 196).
-        if (!after_motion && motion_code->cycle && (motion_code->tenths == 840 || motion_code->tenths == 880) &&
+        if (!after_motion && motion_code->cycle &&
+            (motion_code->tenths == 840 || motion_code->tenths == 880) &&
             modal.g[motion_code->group] == motion_code->tenths)
           return alarm(AlarmReason::rigid_tap_again, block.m[i], 'M');
         cycle.rigid_next = true;

@@ -14,6 +14,36 @@ bool Executor::take_d() {
   return true;
 }
 
+// I J K as a direction in the plane, as the slides see it: mirrored, scaled and turned like the contour.
+comp::Point Executor::direction_words() const {
+  constexpr char kLetters[3][2] = {{'I', 'J'}, {'K', 'I'}, {'J', 'K'}};
+  const auto part = [this](char letter) { return block.has(letter) ? length_mm(block[letter]) : 0; };
+  const auto& letters = kLetters[static_cast<std::size_t>(plane)];
+  const comp::Point written{part(letters[0]), part(letters[1])};
+  const PlaneIndex axes_of_plane = plane_axes();
+  if (!transform.active() || axes_of_plane.first < 0 || axes_of_plane.second < 0) return written;
+  const auto u = static_cast<std::size_t>(axes_of_plane.first),
+             v = static_cast<std::size_t>(axes_of_plane.second);
+  AxisVector tip{};
+  tip[u] = written.u;
+  tip[v] = written.v;
+  const AxisVector turned = transform.turn(tip);
+  return {turned[u], turned[v]};
+}
+
+// I J K of a straight move under G41/G42, or with the G40 that ends it. They leave the block's words.
+void Executor::take_vector_words() {
+  using comp::VectorWords;
+  const VectorWords rule = dialect.compensation.vector_words;
+  const bool cancels = pipeline.cancels_here();
+  const bool mean =
+      rule == VectorWords::all ? cancels || pipeline.side() != 0 : rule == VectorWords::cancel && cancels;
+  if (!mean || (block.words & axis_letters) == 0) return;
+  const comp::Point direction = direction_words();
+  if (comp::length(direction) > 0) pipeline.vector(direction);
+  block.words &= ~program::letters("IJK");
+}
+
 }  // namespace headstock::interp
 
 namespace headstock::interp::handlers {
@@ -27,6 +57,14 @@ bool side(Executor& ex, int wanted) {
     return ex.alarm(AlarmReason::g_unavailable, ex.code_column, std::string(ex.code->name));
   if (wanted != 0 && ex.switches.origin == ProgramOrigin::mdi && ex.data.bit(rules.mdi_alarm_parameter))
     return ex.alarm(AlarmReason::mdi_compensation, ex.code_column, std::string(ex.code->name));
+  // G41 or G42 once more in the block of an arc; where nothing is compensated yet the start-up rule refuses
+  // it.
+  const bool arc = ex.motion_code->tenths == 20 || ex.motion_code->tenths == 30;
+  const bool own_number = ex.dialect.alarm_code(AlarmReason::compensation_arc_again) !=
+                          ex.dialect.alarm_code(AlarmReason::compensation_start_arc);
+  if (wanted != 0 && arc && own_number && ex.pipeline.compensating() &&
+      (ex.block.words & ex.axis_letters) != 0)
+    return ex.alarm(AlarmReason::compensation_arc_again, ex.code_column, std::string(ex.code->name));
   const bool same = wanted != 0 && ex.pipeline.side() == wanted;
   if (wanted != 0) ex.pipeline.activate(ex.machine_now, ex.work_now);
   ex.pipeline.written(wanted, same);
@@ -50,10 +88,7 @@ bool corner_arc(Executor& ex) {
   if ((ex.block.words & ex.axis_letters) != 0) {
     return ex.alarm(AlarmReason::corner_arc_with_move, ex.code_column, "G39");
   }
-  constexpr char kVector[3][2] = {{'I', 'J'}, {'K', 'I'}, {'J', 'K'}};
-  const auto& letters = kVector[static_cast<std::size_t>(ex.plane)];
-  const auto part = [&ex](char letter) { return ex.block.has(letter) ? ex.length_mm(ex.block[letter]) : 0; };
-  const comp::Point direction{part(letters[0]), part(letters[1])};
+  const comp::Point direction = ex.direction_words();
   const double size = comp::length(direction);
   ex.pipeline.corner_arc(size > 0, size > 0 ? direction * (1 / size) : comp::Point{});
   return true;

@@ -12,7 +12,7 @@ using comp::CornerShape;
 using comp::Point;
 using program::letters;
 
-constexpr std::int16_t kG01 = 10, kG02 = 20, kG03 = 30;
+constexpr std::int16_t kG00 = 0, kG01 = 10, kG02 = 20, kG03 = 30;
 
 std::string as_written(char letter, bool marked) {
   return marked ? std::string{',', letter} : std::string(1, letter);
@@ -25,6 +25,8 @@ bool Executor::take_corner_words() {
   const std::int16_t mode = action != nullptr ? std::int16_t{-1} : motion_code->tenths;
   const bool straight = mode == kG01;
   const bool round = mode == kG02 || mode == kG03;
+  const bool line = (straight || mode == kG00) && cycle.hole.code == nullptr;
+  if (line && (block.words & letters("IJK")) != 0) take_vector_words();
   // Where N marks letters (K2000TC) other codes have marked words of their own.
   if (!straight && !(round && rules.arcs) && rules.named_letters != 0) return true;
   std::uint32_t marked = block.marked;
@@ -65,8 +67,9 @@ bool Executor::take_corner_words() {
   const bool has_classic = rules.perpendicular_words && !bare && straight &&
                            (block.words & letters("IJKR")) != 0 && (block.words & axis_letters) != 0;
   if (const std::uint32_t left = block.words & dialect.corner_words & letters("IJKR");
-      left != 0 && !has_classic && straight && (block.words & axis_letters) != 0) {
-    // A vector (0i-D K.45, K2000TC L17333) that this version does not carry out.
+      left != 0 && !has_classic && straight && (block.words & axis_letters) != 0 &&
+      dialect.compensation.vector_words != comp::VectorWords::all) {
+    // Neither a chamfer nor the vector of a G40.
     const auto letter = static_cast<char>('A' + std::countr_zero(left));
     return alarm(AlarmReason::corner_unavailable, block[letter].column, std::string("G01 ") + letter);
   }
@@ -113,6 +116,30 @@ bool Executor::take_corner_words() {
   }
   pipeline.ask_corner(request);
   return !request.open || open_line();
+}
+
+bool Executor::drawing_allows_codes() {
+  struct Refused {
+    std::int16_t tenths;
+    AlarmReason reason;
+  };
+  constexpr Refused kRefused[] = {{170, AlarmReason::drawing_plane},  {180, AlarmReason::drawing_plane},
+                                  {190, AlarmReason::drawing_plane},  {200, AlarmReason::drawing_unit},
+                                  {210, AlarmReason::drawing_unit},   {121, AlarmReason::drawing_polar},
+                                  {131, AlarmReason::drawing_polar},  {1120, AlarmReason::drawing_polar},
+                                  {1130, AlarmReason::drawing_polar}, {511, AlarmReason::drawing_mirror},
+                                  {501, AlarmReason::drawing_mirror}, {680, AlarmReason::drawing_mirror},
+                                  {690, AlarmReason::drawing_mirror}};
+  const bool open = pipeline.line_is_open();
+  for (std::size_t i = 0; i < block.g_count; ++i) {
+    for (const Refused& refused : kRefused) {
+      // The first of the two blocks may choose its plane.
+      if (refused.tenths != block.g[i].tenths || (!open && refused.reason == AlarmReason::drawing_plane))
+        continue;
+      return alarm(refused.reason, block.g[i], 'G');
+    }
+  }
+  return true;
 }
 
 double Executor::angle_deg(const program::Word& word) const {

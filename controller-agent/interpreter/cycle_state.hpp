@@ -82,6 +82,7 @@ struct CycleState {
   double runout_tenths =
       -1;  ///< r of G76, P of G92 where both share it (K2000TC), 0.1 lead; < 0: never given
   std::int32_t driven_m = 0;  ///< M13, M14: the driven tool turns; 0 after M15
+  int rigid_tap_axis = -1;    ///< G84, G88 as codes of group 01: the axis that taps in step; -1: none
   bool rigid_next = false;    ///< M29 stands: the next tapping cycle is rigid
 
   /// Where the profile of the last roughing cycle stands, so that G70 finds the same one.
@@ -104,6 +105,7 @@ struct CycleState {
     box = {};
     hole = {};
     rigid_next = starts_cycle = false;
+    rigid_tap_axis = -1;
     profile.valid = false;
   }
 
@@ -112,6 +114,7 @@ struct CycleState {
                 const dialects::GCode* new_hole) {
     constexpr std::int16_t kDwell = 40;
     if (motion != nullptr && motion->handler != box.owner) box.owner = nullptr;
+    if (motion != nullptr && motion->tenths != 840 && motion->tenths != 880) rigid_tap_axis = -1;
     if (action != nullptr && action->tenths != kDwell && action->handler != box.owner) box.owner = nullptr;
     if (new_hole != nullptr) {
       box.owner = nullptr;

@@ -4,6 +4,7 @@
 
 #include "interpreter/executor.hpp"
 #include "interpreter/handlers.hpp"
+#include "interpreter/offset_memory.hpp"
 
 namespace headstock::interp::handlers {
 
@@ -82,7 +83,7 @@ bool work_extra_offset(Executor& ex, std::int64_t p) {
   return true;
 }
 
-// Mill: L10/L11 length geometry and wear, L12/L13 radius geometry and wear, value in R.
+// Mill: L10/L11 length geometry and wear, L12/L13 radius geometry and wear, value in R. Memory A has L1 only.
 bool mill_tool(Executor& ex, std::int64_t l, std::int64_t p) {
   ToolOffset* tool = tool_offset(ex, p);
   if (tool == nullptr) return false;
@@ -91,7 +92,11 @@ bool mill_tool(Executor& ex, std::int64_t l, std::int64_t p) {
   const std::string place = "tool/" + std::to_string(p) + "/";
   double* cell = &tool->geometry[*z];
   std::string what = place + "geometry/Z";
-  if (l == 11 || l == 1) {
+  const bool one_value = tool_offset::one_value(ex);
+  if (one_value && l != 1) return ex.alarm(AlarmReason::data_input, ex.code_column, "L" + std::to_string(l));
+  if (one_value) {
+    // One value a number.
+  } else if (l == 11 || l == 1) {
     cell = &tool->wear[*z];
     what = place + "wear/Z";
   } else if (l == 12) {

@@ -284,6 +284,7 @@ void Executor::reset_variables() {
 void Executor::set_position(const AxisVector& machine_position) {
   const AxisVector place = place_in_plane(machine_position);
   for (std::size_t i = 0; i < axes.size(); ++i) set_axis_machine(i, place[i]);
+  normal_direction.stand(*this);
 }
 
 AxisVector Executor::to_work(const AxisVector& machine_position, const ModalSnapshot& under) const {

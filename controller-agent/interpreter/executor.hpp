@@ -25,6 +25,7 @@
 #include "interpreter/machine_data.hpp"
 #include "interpreter/macro_state.hpp"
 #include "interpreter/mirror_setting.hpp"
+#include "interpreter/normal_direction.hpp"
 #include "interpreter/own_language.hpp"
 #include "interpreter/pipeline.hpp"
 #include "interpreter/polar_command.hpp"
@@ -200,6 +201,7 @@ struct Executor {
   bool run_settings();
   bool length_in_block() const;  ///< G43, G44 or G49
   bool rigid_tap_follows();
+  bool calls_fit_cycle();
   bool run_m_codes(bool after_motion);
   bool run_program_flow();
 
@@ -319,7 +321,14 @@ struct Executor {
   /// After take_targets: the end point that the block's angle gives.
   bool take_angle(std::uint32_t& moved);
   bool take_d();
+  /// Whether the block is a line with an angle.
+  bool drawing_block() const {
+    return block.marked != 0 && block.has_marked('A') && action == nullptr && motion_code->tenths == 10;
+  }
+  bool drawing_allows_codes();  ///< in the blocks of an angle: no other plane, unit, mirror, polar mode
   bool take_perpendicular(CornerRequest& request);
+  void take_vector_words();              // compensation_codes.cpp
+  comp::Point direction_words() const;   // …: I J K of the plane in force, slide mm
   bool open_line();
   double angle_deg(const program::Word& word) const;
 
@@ -462,6 +471,7 @@ struct Executor {
   std::uint64_t idle_jumps = 0;  ///< since the last motion or assignment
   bool finished = true;
 
+  NormalDirection normal_direction;  ///< G41.1/G42.1
   // ---- chamfers, corner rounds, G41/G42
   Pipeline pipeline;
   std::array<std::int64_t, 2>

@@ -16,6 +16,8 @@ bool reference_from(Executor& ex);
 bool reference_check(Executor& ex);
 bool data_input(Executor& ex);
 bool compensation_cancel(Executor& ex);
+bool normal_direction_on(Executor& ex);
+bool normal_direction_off(Executor& ex);
 bool compensation_left(Executor& ex);
 bool compensation_right(Executor& ex);
 bool corner_arc(Executor& ex);
@@ -64,6 +66,8 @@ bool arc_ccw(Executor& ex) {
 
 template <Plane plane>
 bool select_plane(Executor& ex) {
+  if (plane != ex.plane && (ex.cycle.rigid_next || ex.cycle.hole.rigid))
+    return ex.alarm(AlarmReason::rigid_tap_plane, ex.code_column, std::string(ex.code->name));
   return ex.one_axis_a_role() && (ex.select_plane(plane), true);
 }
 
@@ -128,6 +132,8 @@ constexpr Named kHandlers[] = {
     {"feed_inverse_time", Phase::setting, select_feed<FeedUnit::inverse_time>},
     {"surface_speed", Phase::setting, surface_speed_on},
     {"spindle_speed", Phase::setting, surface_speed_off},
+    {"normal_direction_on", Phase::setting, normal_direction_on},
+    {"normal_direction_off", Phase::setting, normal_direction_off},
     {"exact_stop_mode", Phase::setting, cutting_mode<CuttingMode::exact_stop>},
     {"cutting_mode", Phase::setting, cutting_mode<CuttingMode::cutting>},
     {"corner_override_mode", Phase::setting, cutting_mode<CuttingMode::corner_override>},

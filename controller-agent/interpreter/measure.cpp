@@ -126,10 +126,9 @@ bool measure(Executor& ex) {
   const char wanted = rules.axis[ex.code->tenths == 360 ? 0 : 1];
   if ((wanted != 0 && ex.axes[m.axis].name != wanted) || ex.axes[m.axis].rotary)
     return refuse(AlarmReason::measure_axis, static_cast<char>('A' + letter));
-  const std::string_view lengths = ex.dialect.tool_offsets.axis_parameter;
-  if (!lengths.empty() && ex.data.parameter(std::string(lengths) + '/' + ex.axes[m.axis].name, 1) == 0)
-    return refuse(AlarmReason::measure_no_length, static_cast<char>('A' + letter));
   m.number = ex.dialect.tools.lathe ? ex.modal.offset : ex.length_offset;
+  if (!tool_offset::counts_on(ex, m.axis))
+    return refuse(AlarmReason::measure_no_length, static_cast<char>('A' + letter));
   if (m.number <= 0) return refuse(AlarmReason::measure_number, 0);
   const std::size_t set = ex.axes[m.axis].name == 'Y' ? 1 : ex.axes[m.axis].name == 'Z' ? 2 : 0;
   const auto value = [&ex, set](const std::array<std::string_view, 3>& of) {

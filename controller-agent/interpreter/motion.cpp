@@ -155,6 +155,10 @@ bool Executor::take_targets(std::uint32_t& moved) {
     const program::Word& word = block.word[letter];
     const auto index = static_cast<std::size_t>(axis_of[letter]);
     ProgramAxis& axis = axes[index];
+    if (normal_direction.holds(index)) {
+      return alarm(AlarmReason::normal_direction_axis, word.column,
+                   std::string(1, static_cast<char>('A' + letter)));
+    }
     std::int64_t value = axis_value(word, axis);
     if (dialect.numbers.rounding == dialects::Rounding::truncate) value -= value % axis.increment;
     if (transform.active())

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "interpreter/executor.hpp"
+#include "interpreter/pipeline_entry.hpp"
 #include "interpreter/pipeline_motion.hpp"
 
 namespace headstock::interp {
@@ -26,6 +27,29 @@ Motion* motion_in(Operation& operation) {
       operation);
 }
 
+Pipeline::Pipeline() = default;
+Pipeline::Pipeline(Pipeline&& other) noexcept = default;
+Pipeline& Pipeline::operator=(Pipeline&& other) noexcept = default;
+Pipeline::~Pipeline() = default;
+
+Pipeline::EntryPtr Pipeline::fresh() {
+  if (spare_.empty()) return std::make_unique<Entry>();
+  EntryPtr entry = std::move(spare_.back());
+  spare_.pop_back();
+  static_cast<PipelineKnown&>(*entry) = {};
+  return entry;
+}
+
+void Pipeline::recycle(EntryPtr entry) {
+  if (entry != nullptr) spare_.push_back(std::move(entry));
+}
+
+// A motion that is run as it is.
+void Pipeline::send_entry(Executor& ex, EntryPtr entry) {
+  send(ex, std::move(entry->op));
+  recycle(std::move(entry));
+}
+
 void Pipeline::clear() {
   const std::int64_t number = d_number;
   *this = Pipeline{};
@@ -35,20 +59,20 @@ void Pipeline::clear() {
 void Pipeline::activate(const AxisVector& machine_position, const AxisVector& work_position) {
   if (!active_) {
     touch_ = lift_block_ = false;  // said of a block before this one, when nothing was compensated
-    position_ = passed_machine_ = machine_position;
-    passed_work_ = work_position;
+    position_ = coming_machine_ = machine_position;
+    coming_work_ = work_position;
   }
   active_ = true;
 }
 
 void Pipeline::close_line(const AxisVector& end_machine, const AxisVector& end_work, std::uint32_t moved) {
-  Motion& motion = *motion_in(held_.op);
+  Motion& motion = *motion_in(held_->op);
   motion.end_machine = end_machine;
   motion.end_work = end_work;
   motion.axes |= moved;
-  held_.path.to = {end_machine[held_.mode.first], end_machine[held_.mode.second]};
-  held_.plane_move = comp::length(held_.path.to - held_.path.from) > kNoMove_mm;
-  held_.request.open = false;
+  held_->path.to = {end_machine[held_->mode.first], end_machine[held_->mode.second]};
+  held_->plane_move = comp::length(held_->path.to - held_->path.from) > kNoMove_mm;
+  held_->request.open = open_ = false;
   position_ = end_machine;
 }
 
@@ -98,8 +122,12 @@ void Pipeline::describe(const Executor& ex, Entry& entry) {
   const Point to{motion->end_machine[u], motion->end_machine[v]};
   if (const auto* arc = std::get_if<Arc>(&entry.op)) {
     if (arc->plane == entry.mode.plane) {
-      entry.path = comp::arc(from, to, {arc->center_machine[u], arc->center_machine[v]},
-                             arc->turn == Turn::ccw ? 1 : -1);
+      entry.path.from = from;
+      entry.path.to = to;
+      entry.path.arc = true;
+      entry.path.center = {arc->center_machine[u], arc->center_machine[v]};
+      entry.path.turn = arc->turn == Turn::ccw ? 1 : -1;
+      entry.path.sweep = arc->turns * (2 * std::numbers::pi);
       entry.plane_move = true;
     } else {
       entry.lifted = true;
@@ -117,32 +145,36 @@ void Pipeline::describe(const Executor& ex, Entry& entry) {
 }
 
 void Pipeline::take(Executor& ex) {
-  incoming_.clear();
-  if (ex.out_used) incoming_.push_back(std::move(*ex.out));
-  for (std::size_t i = ex.queue_head; i < ex.queue.size(); ++i) incoming_.push_back(std::move(ex.queue[i]));
+  const auto come_in = [this](Operation& op) {
+    EntryPtr entry = fresh();
+    entry->op = std::move(op);
+    incoming_.push_back(std::move(entry));
+  };
+  if (ex.out_used) come_in(*ex.out);
+  for (std::size_t i = ex.queue_head; i < ex.queue.size(); ++i) come_in(ex.queue[i]);
   ex.queue.clear();
   ex.queue_head = 0;
   ex.out_used = false;
 
   const CompensationMode mode = mode_of(ex);
   bool moved = false;
-  for (Operation& op : incoming_) {
+  for (EntryPtr& entry : incoming_) {
     if (stopped_) break;
-    Entry entry;
-    entry.op = std::move(op);
-    entry.mode = mode;
-    describe(ex, entry);
-    if (entry.motion) {
-      entry.request = std::exchange(request_, CornerRequest{});
-      moved = moved || entry.plane_move || entry.lifted || entry.request.open;
+    entry->mode = mode;
+    describe(ex, *entry);
+    if (entry->motion) {
+      entry->request = std::exchange(request_, CornerRequest{});
+      entry->vector = std::exchange(vector_, BlockVector{});
+      moved = moved || entry->plane_move || entry->lifted || entry->request.open;
     }
     corners(ex, std::move(entry));
   }
+  incoming_.clear();
   if (block_counts_ && !moved && !stopped_) {
     if (held_corner_) {
       if (++blocks_between_ > ex.dialect.corners.most_between) {
-        raise(ex, held_.request.open ? AlarmReason::drawing_blocks : AlarmReason::corner_no_move,
-              motion_in(held_.op)->at, held_.request.column, {});
+        raise(ex, held_->request.open ? AlarmReason::drawing_blocks : AlarmReason::corner_no_move,
+              motion_in(held_->op)->at, held_->request.column, {});
       }
     } else {
       quiet_block(ex);
@@ -150,27 +182,30 @@ void Pipeline::take(Executor& ex) {
   }
   block_counts_ = again_ = lift_block_ = written_here_ = false;
   request_ = {};
+  vector_ = {};
   const bool busy = held_corner_ || on_ || has_last_ || has_previous_ || side_ != 0;
   if (!busy || stopped_) active_ = false;
   if (stopped_) clear();
 }
 
-void Pipeline::corners(Executor& ex, Entry&& entry) {
+void Pipeline::corners(Executor& ex, EntryPtr entry) {
   if (held_corner_) {
-    if (entry.motion) return meet_corner(ex, std::move(entry));
-    if (std::holds_alternative<Alarm>(entry.op)) {
+    if (entry->motion) return meet_corner(ex, std::move(entry));
+    if (std::holds_alternative<Alarm>(entry->op)) {
       held_corner_ = false;
       corner_followers_.clear();
       return compensate(ex, std::move(entry));
     }
-    if (std::holds_alternative<End>(entry.op)) {
-      return raise(ex, held_.request.open ? AlarmReason::drawing_no_end : AlarmReason::corner_no_move,
-                   motion_in(held_.op)->at, held_.request.column, {});
+    if (std::holds_alternative<End>(entry->op)) {
+      return raise(ex, held_->request.open ? AlarmReason::drawing_no_end : AlarmReason::corner_no_move,
+                   motion_in(held_->op)->at, held_->request.column, {});
     }
     corner_followers_.push_back(std::move(entry));
     return;
   }
-  if (entry.motion && (entry.request.shape != CornerShape::none || entry.request.open)) {
+  if (entry->motion && (entry->request.shape != CornerShape::none || entry->request.open)) {
+    open_ = entry->request.open;
+    open_angle_deg_ = entry->request.angle_deg;
     held_ = std::move(entry);
     held_corner_ = true;
     blocks_between_ = 0;
@@ -180,22 +215,22 @@ void Pipeline::corners(Executor& ex, Entry&& entry) {
 }
 
 // The next motion after a block that asked for something at its corner.
-void Pipeline::meet_corner(Executor& ex, Entry&& next) {
-  const CornerRequest request = held_.request;
-  const SourcePosition at = motion_in(held_.op)->at;
+void Pipeline::meet_corner(Executor& ex, EntryPtr next) {
+  const CornerRequest request = held_->request;
+  const SourcePosition at = motion_in(held_->op)->at;
   const auto fail = [&](AlarmReason reason) { raise(ex, reason, at, request.column, {}); };
   if (request.open) return fail(AlarmReason::drawing_no_end);
 
   const bool cuts =
-      std::holds_alternative<Feed>(next.op) ||
-      (std::holds_alternative<Arc>(next.op) && ex.dialect.corners.arcs && !request.perpendicular);
+      std::holds_alternative<Feed>(next->op) ||
+      (std::holds_alternative<Arc>(next->op) && ex.dialect.corners.arcs && !request.perpendicular);
   if (request.shape != CornerShape::none) {
-    if (!cuts || next.lifted) return fail(AlarmReason::corner_not_feed);
-    if (!next.plane_move) return fail(AlarmReason::corner_no_move);
-    if (next.mode.plane != held_.mode.plane) return fail(AlarmReason::corner_not_feed);
+    if (!cuts || next->lifted) return fail(AlarmReason::corner_not_feed);
+    if (!next->plane_move) return fail(AlarmReason::corner_no_move);
+    if (next->mode.plane != held_->mode.plane) return fail(AlarmReason::corner_not_feed);
   }
   if (request.perpendicular) {
-    const Point d = next.path.to - next.path.from;
+    const Point d = next->path.to - next->path.from;
     const double along = request.next_is_second ? d.v : d.u;
     const double across = request.next_is_second ? d.u : d.v;
     if (std::fabs(across) > kNoMove_mm || along * request.next_sign < 0) {
@@ -205,35 +240,45 @@ void Pipeline::meet_corner(Executor& ex, Entry&& next) {
   comp::CutCorner cut;
   cut.fault = CornerFault::not_needed;
   if (request.shape != CornerShape::none) {
-    cut = comp::cut_corner(held_.path, next.path, request.shape, request.size_mm,
+    cut = comp::cut_corner(held_->path, next->path, request.shape, request.size_mm,
                            ex.dialect.corners.chamfer_size);
   }
-  if (cut.fault == CornerFault::too_large) return fail(AlarmReason::corner_too_large);
+  if (cut.fault == CornerFault::too_large) {
+    const bool chamfer = request.shape == CornerShape::chamfer;
+    // Of lines: longer than the third side of their triangle, or it ends beyond one of them (2000TC 3.6.3).
+    const bool lines = !held_->path.arc && !next->path.arc;
+    const double third = comp::length(next->path.to - held_->path.from);
+    if (!chamfer) return fail(AlarmReason::corner_too_large);
+    return fail(lines && request.size_mm > third ? AlarmReason::corner_chamfer_size
+                                                 : AlarmReason::corner_short_line);
+  }
   // Not where compensation begins, ends or changes its side (0i-D PS0039, K2000TC L17717).
-  const bool begins = held_.mode.wanted && !on_, ends = held_.mode.wanted && !next.mode.wanted;
-  if (cut.fault == CornerFault::none && (begins || ends || held_.mode.radius * next.mode.radius < 0))
+  const bool begins = held_->mode.wanted && !on_, ends = held_->mode.wanted && !next->mode.wanted;
+  if (cut.fault == CornerFault::none && (begins || ends || held_->mode.radius * next->mode.radius < 0))
     return fail(AlarmReason::compensation_corner);
 
-  Entry first = std::move(held_);
+  EntryPtr first = std::move(held_);
   held_corner_ = false;
   if (cut.fault == CornerFault::none) {
-    Entry inserted;
-    inserted.mode = first.mode;
-    inserted.motion = inserted.plane_move = true;
-    inserted.path = cut.inserted;
-    inserted.op =
-        motion_along(ex, *motion_in(first.op), first.mode, cut.inserted.to, cut.inserted, feed_of(first.op));
-    if (ex.data.bit(ex.dialect.corners.stop_parameter)) ++motion_in(inserted.op)->at.part;
-    move_end(ex, first.op, first.mode, cut.first);
-    first.path = cut.first;
-    set_arc(ex, next.op, next.mode, cut.second, {});
-    next.path = cut.second;
+    EntryPtr inserted = fresh();
+    inserted->mode = first->mode;
+    inserted->motion = inserted->plane_move = true;
+    inserted->path = cut.inserted;
+    inserted->op = motion_along(ex, *motion_in(first->op), first->mode, cut.inserted.to, cut.inserted,
+                                feed_of(first->op));
+    if (ex.data.bit(ex.dialect.corners.stop_parameter)) ++motion_in(inserted->op)->at.part;
+    move_end(ex, first->op, first->mode, cut.first);
+    first->path = cut.first;
+    // The vector that I J K asked for belongs to the written end, which is the chamfer's now.
+    inserted->vector = std::exchange(first->vector, BlockVector{});
+    set_arc(ex, next->op, next->mode, cut.second, {});
+    next->path = cut.second;
     compensate(ex, std::move(first));
     if (!stopped_) compensate(ex, std::move(inserted));
   } else {
     compensate(ex, std::move(first));
   }
-  for (Entry& follower : corner_followers_) {
+  for (EntryPtr& follower : corner_followers_) {
     if (!stopped_) compensate(ex, std::move(follower));
   }
   corner_followers_.clear();

@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -46,8 +47,22 @@ struct CompensationMode {
   bool again = false;  ///< G41/G42 written in this block though it was in force
 };
 
+/// An operation on its way with what is known of it; see pipeline_entry.hpp.
+struct PipelineEntry;
+
+/// I J K of a block: a direction in the plane.
+struct BlockVector {
+  bool given = false;
+  comp::Point direction;
+};
+
 class Pipeline {
  public:
+  Pipeline();
+  Pipeline(Pipeline&& other) noexcept;
+  Pipeline& operator=(Pipeline&& other) noexcept;
+  ~Pipeline();
+
   /// Whether operations must go through take().
   bool active() const { return active_; }
   /// Whether G41/G42 displaces the path now.
@@ -62,8 +77,8 @@ class Pipeline {
   // ---- what handlers say about the block being carried out
   void activate(const AxisVector& machine_position, const AxisVector& work_position);
   void ask_corner(const CornerRequest& request) { request_ = request; }
-  bool line_is_open() const { return held_corner_ && held_.request.open; }
-  double open_angle_deg() const { return held_.request.angle_deg; }
+  bool line_is_open() const { return held_corner_ && open_; }
+  double open_angle_deg() const { return open_angle_deg_; }
   /// The end of the open line [machine coordinates, page].
   void close_line(const AxisVector& end_machine, const AxisVector& end_work, std::uint32_t moved);
   void block_read() { block_counts_ = true; }    ///< a block that is not empty
@@ -71,6 +86,10 @@ class Pipeline {
   void drop_for_block() { lift_block_ = true; }  ///< G28 and the like: this block runs without the vector
   void corner_arc(bool has_direction, comp::Point direction);  ///< G39
   void written(int side, bool same_as_before);                 ///< G40 (0), G41 (1), G42 (-1)
+  /// I J K of the block being carried out, in the plane, not of length 0.
+  void vector(comp::Point direction) { vector_ = {true, direction}; }
+  /// G40 stands in this block and takes a vector off.
+  bool cancels_here() const { return on_ && written_here_ && side_ == 0; }
   int side() const { return side_; }
 
   /// The plane's axes and the tool of the block being carried out.
@@ -82,35 +101,24 @@ class Pipeline {
   std::int64_t d_number = 0;  ///< D in force (mill)
 
  private:
-  enum class Role : std::uint8_t { body, start };
-  struct Entry {
-    Operation op;
-    CompensationMode mode;
-    CornerRequest request;
-    comp::Segment path;  ///< programmed, in the plane
-    comp::Point start_vector;
-    Role role = Role::body;
-    bool motion = false;
-    bool plane_move = false;  ///< moves in the plane by more than nothing
-    bool zero_move = false;   ///< a move in the plane by nothing
-    bool lifted = false;      ///< runs without the vector
-    bool free_start = false;  ///< starts at a vector that is not its own: not checked
-    bool after_gap = false;   ///< the block before it was left out because of interference
-  };
+  using Entry = PipelineEntry;
+  using EntryPtr = std::unique_ptr<Entry>;
   struct Corner39 {
     bool asked = false, has_direction = false;
     comp::Point direction;
   };
 
+  EntryPtr fresh();
+  void recycle(EntryPtr entry);
   void describe(const Executor& ex, Entry& entry);
   // stage 1 (pipeline.cpp)
-  void corners(Executor& ex, Entry&& entry);
-  void meet_corner(Executor& ex, Entry&& next);
+  void corners(Executor& ex, EntryPtr entry);
+  void meet_corner(Executor& ex, EntryPtr next);
   // stage 2 (pipeline_compensation.cpp)
-  void compensate(Executor& ex, Entry&& entry);
+  void compensate(Executor& ex, EntryPtr entry);
   void quiet_block(Executor& ex);
-  void follow(Executor& ex, Entry&& entry);
-  void leave(Executor& ex, Entry&& entry);
+  void follow(Executor& ex, EntryPtr entry);
+  void leave(Executor& ex, EntryPtr entry);
   enum class Closed : std::uint8_t { good, stopped, left_out };
   /// @param next the motion behind the corner; nullptr: none is known
   Closed close_last(Executor& ex, comp::Vectors end, const Entry* next);
@@ -119,13 +127,25 @@ class Pipeline {
   bool in_place(const Executor& ex) const;
   void step_onto_vector(Executor& ex, const Entry& entry);
   void step_off_vector(Executor& ex);
-  void release_previous(Executor& ex);
+  /// @param next its feed is that of the corner's moves; nullptr: that of the block itself
+  void release_previous(Executor& ex, const Entry* next);
   void settle_here(Executor& ex);
   void abandon(Executor& ex);
-  void send_displaced(Executor& ex, Entry& entry);
+  void send_displaced(Executor& ex, EntryPtr entry);
+  void send_entry(Executor& ex, EntryPtr entry);
   void displace(const Executor& ex, Motion& motion, const CompensationMode& mode, comp::Point by) const;
   void send_corner(Executor& ex, const Entry& block, const comp::Vectors& vectors);
-  comp::OffsetRules offset_rules(const Executor& ex) const;
+  /// What parameters say about compensation: read once for each state of the machine data.
+  struct Settings {
+    bool read = false;
+    std::uint64_t version = 0;
+    comp::OffsetRules offset;
+    bool diameter = false, type_c = false, checks_lines = false, checks_arcs = false, avoids = false;
+    bool stops = false;
+    double near_mm = 0;
+    int read_ahead = 3;
+  };
+  const Settings& settings(const Executor& ex) const;
 
   void send(Executor& ex, Operation&& op);
   static bool too_far(const Executor& ex, const Motion& motion);
@@ -136,7 +156,9 @@ class Pipeline {
   bool no_compensation_ = false;
   bool stopped_ = false;   ///< an alarm was raised here
   AxisVector position_{};  ///< end of the last motion read, as programmed
-  std::vector<Operation> incoming_;
+  std::vector<EntryPtr> incoming_, spare_;
+
+  mutable Settings settings_;
 
   // the block being taken
   CornerRequest request_;
@@ -145,20 +167,23 @@ class Pipeline {
   bool lift_block_ = false;
   bool again_ = false;
   int side_ = 0;
+  BlockVector vector_;
   Corner39 corner_arc_;
 
   // stage 1
-  Entry held_;
+  EntryPtr held_;
   bool held_corner_ = false;
+  bool open_ = false;  ///< the held motion is a line whose end the next block gives
+  double open_angle_deg_ = 0;
   int blocks_between_ = 0;
-  std::vector<Entry> corner_followers_;
+  std::vector<EntryPtr> corner_followers_;
 
   // stage 2
   bool on_ = false;
   bool has_previous_ = false, has_last_ = false;
-  Entry previous_, last_;
+  EntryPtr previous_, last_;
   comp::Vectors corner_;  ///< at the start of last_
-  std::vector<Entry> between_, after_;
+  std::vector<EntryPtr> between_, after_;
   comp::Point kept_;  ///< vector the tool stands at when nothing is held
   CompensationMode kept_mode_;
   int quiet_blocks_ = 0;
@@ -167,7 +192,8 @@ class Pipeline {
   // type C: G41/G42 and G40 in blocks without a move
   bool written_here_ = false;  ///< G40, G41 or G42 stands in this block
   bool starts_in_place_ = false;
-  AxisVector passed_machine_{}, passed_work_{};  ///< programmed end of the last motion
+  AxisVector passed_machine_{}, passed_work_{};  ///< programmed end of the motion before the last
+  AxisVector coming_machine_{}, coming_work_{};  ///< programmed end of the last motion
   Operation passed_;                             ///< a copy of it
 };
 

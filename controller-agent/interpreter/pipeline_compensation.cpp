@@ -2,10 +2,13 @@
 // it, whose corner with `last_` is known but may still lose vectors when `last_` turns out to run backwards.
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "interpreter/executor.hpp"
+#include "interpreter/offset_memory.hpp"
 #include "interpreter/pipeline.hpp"
+#include "interpreter/pipeline_entry.hpp"
 #include "interpreter/pipeline_motion.hpp"
 
 namespace headstock::interp {
@@ -43,10 +46,10 @@ CompensationMode Pipeline::mode_of(const Executor& ex) const {
   mode.wanted = number > 0;
   if (!mode.wanted || number >= static_cast<std::int64_t>(ex.data.tools.size())) return mode;
   const ToolOffset& tool = ex.data.tools[static_cast<std::size_t>(number)];
-  const double value = tool.radius + tool.radius_wear;
+  const double value = rules.by_d ? tool_offset::radius_value(ex, number) : tool.radius + tool.radius_wear;
   // In a plane that is mirrored the tool is on the other side, as arcs turn the other way.
   const int side = ex.transform.reverses(mode.first, mode.second) ? -side_ : side_;
-  mode.radius = side * (ex.data.bit(rules.diameter_parameter) ? value / 2 : value);
+  mode.radius = side * (settings(ex).diameter ? value / 2 : value);
   if (ex.dialect.tools.lathe && tool.tip > 0 && tool.tip < 9 &&
       (rules.tips_in_all_planes || ex.plane == Plane::zx)) {
     mode.tip = kTips[tool.tip] * std::fabs(mode.radius);
@@ -54,13 +57,28 @@ CompensationMode Pipeline::mode_of(const Executor& ex) const {
   return mode;
 }
 
-comp::OffsetRules Pipeline::offset_rules(const Executor& ex) const {
+const Pipeline::Settings& Pipeline::settings(const Executor& ex) const {
+  if (settings_.read && settings_.version == ex.data.version) return settings_;
   const auto& rules = ex.dialect.compensation;
-  comp::OffsetRules offset;
-  offset.start = ex.data.bit(rules.type_b_parameter) ? comp::StartType::b : rules.start;
-  offset.start_by_normal = rules.start_by_normal;
-  offset.circular_outside = ex.data.bit(rules.circular_parameter);
-  return offset;
+  const auto& data = ex.data;
+  Settings s;
+  s.read = true;
+  s.version = data.version;
+  s.offset.start = data.bit(rules.type_b_parameter) ? comp::StartType::b : rules.start;
+  s.offset.start_by_normal = rules.start_by_normal;
+  s.offset.circular_outside = data.bit(rules.circular_parameter);
+  s.diameter = data.bit(rules.diameter_parameter);
+  s.type_c = data.bit(rules.type_c_parameter);
+  s.checks_arcs = (rules.check_parameter.empty() || data.parameter(rules.check_parameter, 1) != 0) &&
+                  !data.bit(rules.no_check_parameter);
+  s.checks_lines = s.checks_arcs && !data.bit(rules.arcs_only_parameter);
+  s.avoids = data.bit(rules.avoid_parameter);
+  s.stops = data.bit(rules.stop_parameter);
+  s.near_mm = std::max(data.parameter(rules.near_parameter, kNearVectors_mm), kNearVectors_mm);
+  const double ahead = data.parameter(rules.read_ahead_parameter, kReadAhead);
+  s.read_ahead = ahead >= 3 && ahead <= 8 ? static_cast<int>(ahead) : kReadAhead;
+  settings_ = s;
+  return settings_;
 }
 
 void Pipeline::written(int side, bool same_as_before) {
@@ -78,124 +96,119 @@ void Pipeline::displace(const Executor& ex, Motion& motion, const CompensationMo
 }
 
 // Motions of other axes and operations that are no motions, at the vector that the tool stands at.
-void Pipeline::send_displaced(Executor& ex, Entry& entry) {
-  if (entry.motion && on_) displace(ex, *motion_in(entry.op), kept_mode_, kept_);
-  send(ex, std::move(entry.op));
+void Pipeline::send_displaced(Executor& ex, EntryPtr entry) {
+  if (entry->motion && on_) displace(ex, *motion_in(entry->op), kept_mode_, kept_);
+  send_entry(ex, std::move(entry));
 }
 
-void Pipeline::compensate(Executor& ex, Entry&& entry) {
-  if (!entry.motion) {
-    if (std::holds_alternative<End>(entry.op)) {
+void Pipeline::compensate(Executor& ex, EntryPtr entry) {
+  if (!entry->motion) {
+    if (std::holds_alternative<End>(entry->op)) {
       settle_here(ex);
       on_ = false;
       side_ = 0;
-    } else if (std::holds_alternative<Alarm>(entry.op)) {
+    } else if (std::holds_alternative<Alarm>(entry->op)) {
       abandon(ex);
     }
     return follow(ex, std::move(entry));
   }
-  struct Passed {  // whichever way this motion goes, it is the last one afterwards
-    Pipeline& pipeline;
-    AxisVector machine, work;
-    ~Passed() {
-      pipeline.passed_machine_ = machine;
-      pipeline.passed_work_ = work;
-    }
-  };
-  const Motion& programmed = *motion_in(entry.op);
-  const Passed passed{*this, programmed.end_machine, programmed.end_work};
-  const auto& refused = ex.dialect.compensation;
-  if (entry.mode.wanted && refused.threads_refused && std::holds_alternative<Thread>(entry.op)) {
-    return raise(ex, AlarmReason::compensation_refused, motion_in(entry.op)->at, 0, {});
+  if (settings(ex).type_c) {
+    passed_machine_ = std::exchange(coming_machine_, motion_in(entry->op)->end_machine);
+    passed_work_ = std::exchange(coming_work_, motion_in(entry->op)->end_work);
   }
-  if (entry.lifted) {  // the vector is dropped; the next motion in the plane takes it again
+  const auto& refused = ex.dialect.compensation;
+  if (entry->mode.wanted && refused.threads_refused && std::holds_alternative<Thread>(entry->op)) {
+    return raise(ex, AlarmReason::compensation_refused, motion_in(entry->op)->at, 0, {});
+  }
+  if (entry->lifted) {  // the vector is dropped; the next motion in the plane takes it again
     settle_here(ex);
     on_ = false;
-    return send(ex, std::move(entry.op));
+    return send_entry(ex, std::move(entry));
   }
-  if (!entry.plane_move) {
-    const bool settles = entry.zero_move && on_;
+  if (!entry->plane_move) {
+    const bool settles = entry->zero_move && on_;
     follow(ex, std::move(entry));
     if (settles) settle_here(ex);
     return;
   }
   quiet_blocks_ = 0;
-  if (on_ && entry.mode.plane != (has_last_ ? last_.mode : kept_mode_).plane) {
-    return raise(ex, AlarmReason::compensation_plane, motion_in(entry.op)->at, 0, {});
+  if (on_ && entry->mode.plane != (has_last_ ? last_->mode : kept_mode_).plane) {
+    return raise(ex, AlarmReason::compensation_plane, motion_in(entry->op)->at, 0, {});
   }
-  if (entry.mode.asked && !entry.mode.wanted && !on_ && refused.zero_number_is_alarm) {
-    return raise(ex, AlarmReason::compensation_number, motion_in(entry.op)->at, 0, {});
+  if (entry->mode.asked && !entry->mode.wanted && !on_ && refused.zero_number_is_alarm) {
+    return raise(ex, AlarmReason::compensation_number, motion_in(entry->op)->at, 0, {});
   }
-  if (!entry.mode.wanted) return on_ ? leave(ex, std::move(entry)) : send(ex, std::move(entry.op));
+  if (!entry->mode.wanted) return on_ ? leave(ex, std::move(entry)) : send_entry(ex, std::move(entry));
 
-  const double r = entry.mode.radius;
-  if (!on_ && std::exchange(starts_in_place_, false)) step_onto_vector(ex, entry);
+  const double r = entry->mode.radius;
+  if (!on_ && std::exchange(starts_in_place_, false)) step_onto_vector(ex, *entry);
   if (!on_) {
-    if (is_arc(entry.op)) {
-      return raise(ex, AlarmReason::compensation_start_arc, motion_in(entry.op)->at, 0, {});
+    if (is_arc(entry->op)) {
+      return raise(ex, AlarmReason::compensation_start_arc, motion_in(entry->op)->at, 0, {});
     }
     on_ = true;
-    entry.role = Role::start;
+    entry->role = PipelineKnown::Role::start;
     corner_ = comp::single({});
     last_ = std::move(entry);
     has_last_ = true;
     return;
   }
-  if (is_arc(entry.op)) {
-    const comp::Segment& path = entry.path;
+  if (is_arc(entry->op)) {
+    const comp::Segment& path = entry->path;
     const double left = std::min(path.start_radius(), path.end_radius()) - path.turn * r;
     if (left < kSameRadius_mm && path.turn * r > 0) {
       const bool same = left > -kSameRadius_mm;
       return raise(ex, same ? AlarmReason::compensation_arc_centre : AlarmReason::compensation_overcut,
-                   motion_in(entry.op)->at, 0, {});
+                   motion_in(entry->op)->at, 0, {});
     }
   }
-  if (entry.mode.again && ex.dialect.compensation.again_is_perpendicular && has_last_) settle_here(ex);
+  if (entry->mode.again && ex.dialect.compensation.again_is_perpendicular && has_last_) settle_here(ex);
   if (!has_last_) {
     corner_ = comp::single(kept_);
-    entry.free_start = true;
+    entry->free_start = true;
     last_ = std::move(entry);
     has_last_ = true;
     return;
   }
 
-  comp::OffsetRules rules = offset_rules(ex);
-  if (std::holds_alternative<Rapid>(entry.op)) rules.circular_outside = false;
-  const double r_last = last_.mode.radius;
+  comp::OffsetRules rules = settings(ex).offset;
+  if (std::holds_alternative<Rapid>(entry->op)) rules.circular_outside = false;
+  const double r_last = last_->mode.radius;
   Vectors v;
-  if (last_.role == Role::start) {
-    v = comp::start_up(last_.path, entry.path, r, rules);
+  if (last_->vector.given) {
+    v = comp::single(comp::normal_of(last_->vector.direction, r_last));
+  } else if (last_->role == PipelineKnown::Role::start) {
+    v = comp::start_up(last_->path, entry->path, r, rules);
   } else if (corner_arc_.asked) {
-    v = comp::corner_arc(last_.path,
-                         corner_arc_.has_direction ? corner_arc_.direction : entry.path.direction_at_start(),
+    v = comp::corner_arc(last_->path,
+                         corner_arc_.has_direction ? corner_arc_.direction : entry->path.direction_at_start(),
                          r_last);
   } else if (r * r_last < 0) {
     if (ex.dialect.compensation.side_change_after_start_is_alarm && has_previous_ &&
-        previous_.role == Role::start) {
-      return raise(ex, AlarmReason::compensation_side, motion_in(entry.op)->at, 0, {});
+        previous_->role == PipelineKnown::Role::start) {
+      return raise(ex, AlarmReason::compensation_side, motion_in(entry->op)->at, 0, {});
     }
-    v = comp::change_side(last_.path, r_last, entry.path, r);
+    v = comp::change_side(last_->path, r_last, entry->path, r);
   } else {
-    v = comp::corner(last_.path, entry.path, r_last, rules);
+    v = comp::corner(last_->path, entry->path, r_last, rules);
   }
   corner_arc_ = {};
   if (v.count == 0) {
-    return raise(ex, AlarmReason::compensation_no_crossing, motion_in(entry.op)->at, 0, {});
+    return raise(ex, AlarmReason::compensation_no_crossing, motion_in(entry->op)->at, 0, {});
   }
-  if (!entry.path.arc || entry.path.sweep <= std::numbers::pi) {
-    const double near = ex.data.parameter(ex.dialect.compensation.near_parameter, kNearVectors_mm);
-    comp::merge_near(v, std::max(near, kNearVectors_mm));
+  if (!entry->path.arc || entry->path.sweep <= std::numbers::pi) {
+    comp::merge_near(v, settings(ex).near_mm);
   }
   if (std::exchange(touched_, false)) {
     v.bare = static_cast<int>(v.count);
     v.add({});
     v.add(v.at[v.count - 2]);
   }
-  switch (close_last(ex, v, &entry)) {
+  switch (close_last(ex, v, entry.get())) {
     case Closed::stopped:
       return;
     case Closed::left_out:
-      entry.after_gap = true;
+      entry->after_gap = true;
       break;
     case Closed::good:
       break;
@@ -205,61 +218,69 @@ void Pipeline::compensate(Executor& ex, Entry&& entry) {
 }
 
 // Whatever is no motion in the plane keeps its place behind the motion before it.
-void Pipeline::follow(Executor& ex, Entry&& entry) {
+void Pipeline::follow(Executor& ex, EntryPtr entry) {
   if (has_last_) {
     after_.push_back(std::move(entry));
   } else {
-    send_displaced(ex, entry);
+    send_displaced(ex, std::move(entry));
   }
 }
 
 // A block with G40 (or offset number 0) that moves in the plane.
-void Pipeline::leave(Executor& ex, Entry&& entry) {
-  if (is_arc(entry.op)) {
-    return raise(ex, AlarmReason::compensation_start_arc, motion_in(entry.op)->at, 0, {});
+void Pipeline::leave(Executor& ex, EntryPtr entry) {
+  if (is_arc(entry->op)) {
+    return raise(ex, AlarmReason::compensation_start_arc, motion_in(entry->op)->at, 0, {});
   }
   if (has_last_) {
-    comp::OffsetRules rules = offset_rules(ex);
-    if (std::holds_alternative<Rapid>(entry.op)) rules.circular_outside = false;
-    const double r = last_.mode.radius;
-    const Vectors v = last_.role == Role::start ? comp::single(comp::normal_at_end(last_.path, r))
-                                                : comp::cancel(last_.path, entry.path, r, rules);
+    comp::OffsetRules rules = settings(ex).offset;
+    if (std::holds_alternative<Rapid>(entry->op)) rules.circular_outside = false;
+    const double r = last_->mode.radius;
+    Vectors v;
+    if (entry->vector.given && last_->role != PipelineKnown::Role::start) {
+      v = comp::cancel_at_wall(last_->path, entry->vector.direction, r);
+    } else if (last_->vector.given) {
+      v = comp::single(comp::normal_of(last_->vector.direction, r));
+    } else if (last_->role == PipelineKnown::Role::start) {
+      v = comp::single(comp::normal_at_end(last_->path, r));
+    } else {
+      v = comp::cancel(last_->path, entry->path, r, rules);
+    }
     if (close_last(ex, v, nullptr) == Closed::stopped) return;
-    last_ = entry;  // its feed is that of the corner's moves
-    has_last_ = true;
-    release_previous(ex);
-    has_last_ = false;
+    release_previous(ex, entry.get());
   }
   on_ = false;
-  send(ex, std::move(entry.op));
+  send_entry(ex, std::move(entry));
 }
 
 // The end of `last_` is known now: it is checked, the one before it goes out, and it becomes `previous_`.
 Pipeline::Closed Pipeline::close_last(Executor& ex, Vectors end, const Entry* next) {
-  const auto& rules = ex.dialect.compensation;
-  const bool checked = last_.role == Role::body && !last_.free_start &&
-                       (rules.check_parameter.empty() || ex.data.parameter(rules.check_parameter, 1) != 0);
+  const Settings& set = settings(ex);
+  const bool checked = last_->role == PipelineKnown::Role::body && !last_->free_start &&
+                       (last_->path.arc ? set.checks_arcs : set.checks_lines);
   if (checked) {
     bool straight = false;
-    if (comp::settle(last_.path, corner_, end, last_.mode.radius, straight) == comp::Between::reversed) {
-      const SourcePosition& at = motion_in(last_.op)->at;
-      if (last_.after_gap) {
+    if (comp::settle(last_->path, corner_, end, last_->mode.radius, straight) == comp::Between::reversed) {
+      const SourcePosition& at = motion_in(last_->op)->at;
+      if (last_->after_gap) {
         raise(ex, AlarmReason::compensation_again, at, 0, {});
-      } else if (next != nullptr && ex.data.bit(rules.avoid_parameter)) {
+      } else if (next != nullptr && set.avoids) {
         return leave_out(ex, *next);
       } else {
-        raise(ex, AlarmReason::compensation_interference, at, 0, {});
+        const bool groove = has_previous_ && next != nullptr &&
+                            comp::is_groove(previous_->path, last_->path, next->path, last_->mode.radius);
+        raise(ex, groove ? AlarmReason::compensation_groove : AlarmReason::compensation_interference, at, 0,
+              {});
       }
       return Closed::stopped;
     }
     if (straight) {
-      last_.op = motion_along(ex, *motion_in(last_.op), last_.mode, last_.path.to,
-                              comp::line(last_.path.from, last_.path.to), feed_of(last_.op));
-      last_.path = comp::line(last_.path.from, last_.path.to);
+      last_->op = motion_along(ex, *motion_in(last_->op), last_->mode, last_->path.to,
+                               comp::line(last_->path.from, last_->path.to), feed_of(last_->op));
+      last_->path = comp::line(last_->path.from, last_->path.to);
     }
   }
-  if (has_previous_) release_previous(ex);
-  last_.start_vector = corner_.last();
+  if (has_previous_) release_previous(ex, last_.get());
+  last_->start_vector = corner_.last();
   previous_ = std::move(last_);
   has_previous_ = true;
   has_last_ = false;
@@ -270,21 +291,28 @@ Pipeline::Closed Pipeline::close_last(Executor& ex, Vectors end, const Entry* ne
 
 // `previous_` with the moves of its corner and what follows it. The corner belongs to the block after it: its
 // feed (K2000TC L17626).
-void Pipeline::release_previous(Executor& ex) {
+void Pipeline::release_previous(Executor& ex, const Entry* next) {
   if (!has_previous_) return;
-  const MotionFeed speed = feed_of(has_last_ ? last_.op : previous_.op);
-  Motion like = *motion_in(previous_.op);
-  if (in_place(ex)) passed_ = previous_.op;
-  const CompensationMode mode = previous_.mode;
-  const comp::Segment path = previous_.path;
+  const CompensationMode& mode = previous_->mode;
+  const comp::Segment& path = previous_->path;
+  if (in_place(ex)) passed_ = previous_->op;
+  std::optional<Motion> like;  // what the moves around the corner have in common with the block
+  MotionFeed speed;
+  if (corner_.count > 1) {
+    like = *motion_in(previous_->op);
+    speed = feed_of(next != nullptr ? next->op : previous_->op);
+  }
 
-  comp::Segment run = path;
-  run.from = path.from + previous_.start_vector;
-  run.to = path.to + corner_.first();
-  if (run.arc) run.sweep = comp::arc(run.from, run.to, run.center, run.turn).sweep;
-  set_arc(ex, previous_.op, mode, run, mode.tip);
-  displace(ex, *motion_in(previous_.op), mode, corner_.first());
-  send(ex, std::move(previous_.op));
+  const Point first = corner_.first();
+  if (path.arc) {
+    comp::Segment run = path;
+    run.from = path.from + previous_->start_vector;
+    run.to = path.to + first;
+    run.sweep = comp::arc(run.from, run.to, run.center, run.turn).sweep;
+    set_arc(ex, previous_->op, mode, run, mode.tip);
+  }
+  displace(ex, *motion_in(previous_->op), mode, first);
+  send(ex, std::move(previous_->op));
   has_previous_ = false;
 
   const Point tip = mode.tip;
@@ -298,22 +326,25 @@ void Pipeline::release_previous(Executor& ex) {
       move.from = move.from + tip;
       move.to = move.to + tip;
     }
-    if (ex.data.bit(ex.dialect.compensation.stop_parameter)) ++like.at.part;
-    send(ex, motion_along(ex, like, mode, to, move, speed));
+    if (settings(ex).stops) ++like->at.part;
+    send(ex, motion_along(ex, *like, mode, to, move, speed));
   }
   kept_ = corner_.last();
   kept_mode_ = mode;
-  for (Entry& entry : between_) send_displaced(ex, entry);
+  recycle(std::move(previous_));
+  for (EntryPtr& entry : between_) send_displaced(ex, std::move(entry));
   between_.clear();
 }
 
 // No more is known of what follows: the vector normal to the last motion.
 void Pipeline::settle_here(Executor& ex) {
   if (has_last_) {
-    const Vectors normal = comp::single(comp::normal_at_end(last_.path, last_.mode.radius));
+    const double r = last_->mode.radius;
+    const Vectors normal = comp::single(last_->vector.given ? comp::normal_of(last_->vector.direction, r)
+                                                            : comp::normal_at_end(last_->path, r));
     if (close_last(ex, normal, nullptr) == Closed::stopped) return;
   }
-  release_previous(ex);
+  release_previous(ex, nullptr);
   touched_ = false;
 }
 
@@ -330,8 +361,7 @@ void Pipeline::quiet_block(Executor& ex) {
     return raise(ex, AlarmReason::compensation_quiet_blocks, ex.at, 0, {});
   }
   const bool cancelled = side_ == 0 || (again_ && rules.again_is_perpendicular);
-  const double wanted = ex.data.parameter(rules.read_ahead_parameter, kReadAhead);
-  const int read_ahead = wanted >= 3 && wanted <= 8 ? static_cast<int>(wanted) : kReadAhead;
+  const int read_ahead = settings(ex).read_ahead;
   if (has_last_ && (cancelled || quiet_blocks_ > read_ahead - 2)) settle_here(ex);
 }
 
@@ -340,7 +370,7 @@ void Pipeline::abandon(Executor& ex) {
   if (has_previous_) {
     corner_ = comp::single(corner_.first());
     between_.clear();
-    release_previous(ex);
+    release_previous(ex, nullptr);
   }
   has_last_ = false;
   after_.clear();

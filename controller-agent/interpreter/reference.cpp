@@ -26,7 +26,11 @@ double reference_point(const Executor& ex, std::size_t axis, std::int64_t which)
 // Rapid to the block's point, which is kept per axis for G29.
 bool to_intermediate(Executor& ex, std::uint32_t& moved) {
   if (!ex.take_targets(moved)) return false;
-  if (!ex.dialect.compensation.keeps_to_intermediate) ex.pipeline.drop_for_block();
+  const auto& rules = ex.dialect.compensation;
+  const bool keeps =
+      rules.keeps_to_intermediate || (!rules.to_intermediate_parameter.empty() &&
+                                      ex.data.parameter(rules.to_intermediate_parameter, 1) == 0);
+  if (!keeps) ex.pipeline.drop_for_block();
   if (moved == 0) return true;
   auto& motion = ex.emit<Rapid>();
   ex.fill_motion(motion, moved);

@@ -149,7 +149,7 @@ Pull Executor::next_on_machine(Operation& wanted) {
     surface_path.piece(wanted);
     return Pull::operation;
   }
-  const Pull pulled = next(wanted);
+  const Pull pulled = normal_direction.pull(*this, wanted);
   if (pulled != Pull::operation || surface.last.kind == SurfaceKind::none) return pulled;
   const Motion* motion = nullptr;
   if (const auto* feed = std::get_if<Feed>(&wanted)) motion = feed;

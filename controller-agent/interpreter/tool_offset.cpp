@@ -5,6 +5,7 @@
 
 #include "interpreter/executor.hpp"
 #include "interpreter/handlers.hpp"
+#include "interpreter/offset_memory.hpp"
 
 namespace headstock::interp::tool_offset {
 namespace {
@@ -33,11 +34,6 @@ Way way_of(const Executor& ex) {
   return {!shift, !shift};
 }
 
-bool has_offsets(const Executor& ex, std::size_t axis) {
-  const auto& parameter = ex.dialect.tool_offsets.axis_parameter;
-  return parameter.empty() || ex.data.parameter(std::string(parameter) + '/' + ex.axes[axis].name, 1) != 0;
-}
-
 // The zero point under the standing slide. A way that the slide has still to make up for stays.
 void shift(Executor& ex, std::size_t axis, double by) {
   if (std::fabs(by) < kNothing_mm) return;
@@ -61,14 +57,8 @@ bool is_arc(const GCode& code) {
   return code.tenths == 20 || code.tenths == 30;
 }
 
-double length_of(const Executor& ex) {
-  const ToolOffset* tool = row(ex, ex.length_offset);
-  const auto z = ex.axis_named('Z');
-  return tool != nullptr && z ? tool->geometry[*z] + tool->wear[*z] : 0;
-}
-
 void hold_length(Executor& ex, std::size_t axis) {
-  const double wanted = ex.length_sign * length_of(ex);
+  const double wanted = ex.length_sign * length_value(ex, ex.length_offset);
   const double by = wanted - ex.axes[axis].zero_tool;
   ex.tool_offset.length_axes = ex.length_sign != 0 ? ex.tool_offset.length_axes | 1u << axis
                                                    : ex.tool_offset.length_axes & ~(1u << axis);
@@ -110,6 +100,12 @@ bool take_h_word(Executor& ex) {
   std::int64_t number = ex.whole('H', AlarmReason::offset_number);
   if (number < 0 || !tool_life::take_offset(ex, 'H', number, column)) return false;
   if (number > most(ex)) return ex.alarm(AlarmReason::offset_number, column, "H");
+  if (const ToolOffset* tool = row(ex, number); tool != nullptr) {
+    const auto z = ex.axis_named('Z');
+    const double largest = ex.dialect.modes.largest_offset;
+    if (z && (std::fabs(tool->geometry[*z]) > largest || std::fabs(tool->wear[*z]) > largest))
+      return ex.alarm(AlarmReason::offset_value, column, "H");
+  }
   ex.length_offset = number;
   if (too_large(ex, length_of(ex))) return ex.alarm(AlarmReason::offset_value, column, "H");
   return true;
@@ -121,6 +117,28 @@ void show_number(Executor& ex) {
 }
 
 }  // namespace
+
+bool one_value(const Executor& ex) {
+  return !ex.dialect.tools.lathe && ex.data.bit(ex.dialect.tool_offsets.single_parameter);
+}
+
+double length_value(const Executor& ex, std::int64_t number) {
+  const ToolOffset* tool = row(ex, number);
+  const auto z = ex.axis_named('Z');
+  if (tool == nullptr || !z) return 0;
+  return tool->geometry[*z] + (one_value(ex) ? 0 : tool->wear[*z]);
+}
+
+double radius_value(const Executor& ex, std::int64_t number) {
+  const ToolOffset* tool = row(ex, number);
+  if (tool == nullptr) return 0;
+  return one_value(ex) ? length_value(ex, number) : tool->radius + tool->radius_wear;
+}
+
+bool counts_on(const Executor& ex, std::size_t axis) {
+  const auto& parameter = ex.dialect.tool_offsets.axis_parameter;
+  return parameter.empty() || ex.data.parameter(std::string(parameter) + '/' + ex.axes[axis].name, 1) != 0;
+}
 
 std::int64_t most(const Executor& ex) {
   const auto& rules = ex.dialect.tool_offsets;
@@ -150,8 +168,11 @@ bool take(Executor& ex, std::int64_t geometry, std::int64_t wear, std::uint32_t 
   const bool cuts_arc = is_arc(*ex.motion_code) && ex.action == nullptr &&
                         (ex.block.words & (ex.axis_letters | program::letters("IJKR"))) != 0;
   for (std::size_t i = 0; i < ex.axes.size(); ++i) {
-    const bool counts = has_offsets(ex, i);
-    if (counts && too_large(ex, (shape != nullptr ? shape->geometry[i] : 0) + (worn != nullptr ? worn->wear[i] : 0)))
+    const bool counts = counts_on(ex, i);
+    const double largest = ex.dialect.modes.largest_offset;
+    if ((shape != nullptr && std::fabs(shape->geometry[i]) > largest) ||
+        (worn != nullptr && std::fabs(worn->wear[i]) > largest) ||
+        (counts && too_large(ex, (shape != nullptr ? shape->geometry[i] : 0) + (worn != nullptr ? worn->wear[i] : 0))))
       return ex.alarm(AlarmReason::offset_value, column, std::string(1, ex.axes[i].name));
     const double g = counts && shape != nullptr ? sign * to_slide(ex, i, shape->geometry[i], false) : 0;
     const double w = counts && worn != nullptr ? sign * to_slide(ex, i, worn->wear[i], true) : 0;

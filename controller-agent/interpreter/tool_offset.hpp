@@ -36,6 +36,8 @@ void grow(Executor& ex, std::size_t axis, double slide_mm);
 double to_slide(const Executor& ex, std::size_t axis, double page, bool wear);
 double to_page(const Executor& ex, std::size_t axis, double slide_mm, bool wear);
 
+/// Whether the axis takes length offsets (K2000TC OFL).
+bool counts_on(const Executor& ex, std::size_t axis);
 /// The slides make up for an offset that changed by movement, in a block without axis words: in G00 and in
 /// cycles at rapid, otherwise at F. @return false after an alarm.
 bool move_alone(Executor& ex);

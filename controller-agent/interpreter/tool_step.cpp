@@ -5,6 +5,7 @@
 
 #include "interpreter/executor.hpp"
 #include "interpreter/handlers.hpp"
+#include "interpreter/offset_memory.hpp"
 
 namespace headstock::interp::handlers {
 
@@ -14,9 +15,7 @@ bool tool_step(Executor& ex) {
   const bool straight = ex.motion_code->tenths == 0 || ex.motion_code->tenths == 10;
   if (!straight || ex.cycle.hole.code != nullptr)
     return ex.alarm(AlarmReason::g_not_now, ex.code_column, std::string(ex.code->name));
-  const auto number = static_cast<std::size_t>(ex.pipeline.d_number);
-  const bool known = number > 0 && number < ex.data.tools.size();
-  const double offset_mm = known ? ex.data.tools[number].radius + ex.data.tools[number].radius_wear : 0;
+  const double offset_mm = tool_offset::radius_value(ex, ex.pipeline.d_number);
   // G45 + once, G46 − once, G47 + twice, G48 − twice.
   const int step = (ex.code->tenths - 450) / 10;
   const double factor = (step % 2 == 0 ? 1 : -1) * (step < 2 ? 1 : 2);

@@ -22,8 +22,9 @@ constexpr double kLongSmoothing_s = 0.010;
 // of a step is not that of its middle. Where it does not, what an average mixes from both sides cancels to
 // the first order, and half the way is enough.
 constexpr double kWindowMargin = 1.0, kSmoothMargin = 0.1;
-constexpr double kSmoothWindow = 0.15, kJumpInWindow = 0.05;  // found by the property tests, not by a proof
-constexpr double kJump = 0.012;  // of the acceleration: error of a step's middle that is small enough
+constexpr double kSmoothWindow = 0.2, kJumpInWindow = 0.05;  // found by the property tests, not by a proof
+constexpr double kJump = 0.012;    // of the acceleration: error of a step's middle that is small enough
+constexpr double kJerkJump = 0.5;  // of the jerk: change of what twist takes of it that is small enough
 // A bend is cut into at most so many cells, as far as its reach makes a share of it worth telling apart.
 struct BendParts {
   double most, blur;
@@ -139,9 +140,13 @@ bool CellMaker::smooth_around(const Span& span, double speed) const {
   // Error of the middle of what is averaged, when the third derivative jumps there.
   const double factor = speed * speed * speed * period_s_ *
                         std::max(1.0, kJumpInWindow * static_cast<double>(smoothing_periods_));
+  const double twist = 6 * speed * speed * speed;
   const auto jumps = [&](const Span& other) {
-    for (std::size_t i = 0; i < axes_.size(); ++i)
-      if (std::abs(span.c[3][i] - other.c[3][i]) * factor > kJump * axes_[i].acceleration) return true;
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      const double jump = std::abs(span.c[3][i] - other.c[3][i]);
+      if (jump * factor > kJump * axes_[i].acceleration || jump * twist > kJerkJump * axes_[i].jerk)
+        return true;
+    }
     return false;
   };
   const Span straight{};

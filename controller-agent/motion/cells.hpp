@@ -50,13 +50,14 @@ struct Cell {
   std::array<std::atomic<double>, kPlanCount> entry{};
 
   double braking_at(double speed_squared) const { return left_of(loss_down, speed_squared); }
-  /// The same for a whole period: the square of the speed counts in its middle, where speeding up has made
-  /// more of it than there was, and braking less.
+  /// The same for a whole period: what counts is the mean of the squares of the speed before and after, which
+  /// speeding up makes larger than it was, and braking smaller.
   double acceleration_for(double speed, double period_s) const {
     double a = jerk_gain - jerk_loss * speed * speed;
-    for (std::size_t i = 0; i < axes; ++i)
-      a = std::min(
-          a, (gain[i] - loss_up[i] * speed * speed) / (1 + std::max(0.0, loss_up[i]) * speed * period_s));
+    for (std::size_t i = 0; i < axes; ++i) {
+      const double left = std::max(0.0, gain[i] - loss_up[i] * speed * speed);
+      a = std::min(a, left / (1 + std::max(0.0, loss_up[i]) * period_s * (speed + 0.5 * period_s * left)));
+    }
     return a > 0 ? a : 0;
   }
   double braking_for(double speed, double period_s) const {

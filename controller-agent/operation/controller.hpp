@@ -205,6 +205,7 @@ struct ControllerOptions {
 
 struct EditRequest;
 struct EditResult;
+struct TouchRequest;
 
 class Controller {
  public:
@@ -278,6 +279,8 @@ class Controller {
   /// Writes values by name, all of them or none, if the controller's rules allow it now (dialects/data_rules)
   /// and each still has the value that the person saw. See operation/data_edit.hpp.
   EditResult edit_values(const EditRequest& request);
+  /// A measured place becomes an offset; see operation/data_edit.hpp.
+  EditResult touch(const TouchRequest& request);
   /// The switch at the machine that lets parameters be written (EditRequest::parameter_write is its place). On: the
   /// control's alarm for it (0i-D SW0100, GSK 100), which RESET clears once the switch is off again. Refused: "running".
   CommandResult set_parameter_write(bool on);

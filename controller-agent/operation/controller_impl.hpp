@@ -90,6 +90,7 @@ struct Controller::Impl {
   void go_on();
   double rapid_f0() const;
   EditResult edit_values(const EditRequest& request);  // data_edit.cpp
+  EditResult touch(const TouchRequest& request);       // touch.cpp
   CommandResult set_parameter_write(bool on);          // parameter_switch.cpp
   bool stays_until_switched_off(const ActiveAlarm& alarm) const;
   bool emergency_braking() const { return emergency && phase == Phase::aborting; }

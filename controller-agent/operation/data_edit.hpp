@@ -27,6 +27,19 @@ struct EditRequest {
   bool parameter_write = false;  ///< parameters may be written: switched on at the machine
 };
 
+/// Direct input of a measured value: the tool touches a place and somebody says what that place is called.
+///
+///   tool/3/geometry/X   the offset of tool 3, so that the page shows `place` there; its wear becomes 0
+///   work/G54/Z          the zero point, likewise: the system in force, or EXT, or a lathe's shift
+///
+/// Refused while anything moves, and while the offset of another tool, or another system, is in force: the
+/// number would then belong to that one.
+struct TouchRequest {
+  std::string what;
+  double place = 0;  ///< mm, X as a diameter where the axis is diameter-programmed
+  std::string by;
+};
+
 struct EditResult {
   bool accepted = false;
   std::string reason;         ///< key of protocol/wire/reasons; empty when accepted

@@ -26,10 +26,12 @@ std::string_view name_of(Code code);
 std::optional<Code> code_named(std::string_view name);
 
 /// The holes of the characters that EIA does not have, as the control's parameters No.6010-6018 give them; 0:
-/// the character cannot be punched. The manual prints no defaults, so there are none here.
+/// the character cannot be punched. The manual prints no defaults, so there are none here. What else ASCII
+/// has (a colon in the comments of CAM systems) has no parameter: holes for it are an agreement of the two
+/// ends.
 class Symbols {
  public:
-  static constexpr std::string_view characters = "*=#[]?@&_";  ///< in the order of No.6010…6018
+  static constexpr std::string_view characters = "*=#[]?@&_:;'\"!$<>\\^`{|}~";  ///< No.6010…6018, others
   std::uint8_t pattern(char character) const;
   /// @return false when the character is none of `characters`, or the pattern is 0 or already means something
   /// in EIA (other than `character` itself).
@@ -39,7 +41,7 @@ class Symbols {
   std::string text() const;
 
  private:
-  std::array<std::uint8_t, 9> patterns_{};
+  std::array<std::uint8_t, characters.size()> patterns_{};
 };
 
 /// What one byte of a tape is.

@@ -5,7 +5,7 @@ import { mkdirSync } from "node:fs";
 import { createServer } from "node:net";
 import { join } from "node:path";
 import { after, before, describe, it } from "node:test";
-import { openBrowser, signIn, useLanguage } from "./chromium.mjs";
+import { openBrowser, signIn, sizes, useLanguage } from "./chromium.mjs";
 import { root } from "./paths.mjs";
 import { built, Shop, until } from "./shop.mjs";
 
@@ -36,7 +36,24 @@ class Control {
 }
 
 let shop, browser, page, control;
-const shoot = async (name) => { if (pictures) { mkdirSync(pictures, { recursive: true }); await page.screenshot({ path: join(pictures, `${name}.png`) }); } };
+/// With HEADSTOCK_PICTURES: what is shown now, in both languages, on a desk and on a tablet.
+const shoot = async (name) => {
+  if (!pictures) return;
+  mkdirSync(pictures, { recursive: true });
+  const before = (await page.locator("html").getAttribute("lang")).slice(0, 2);
+  const speak = async (language) => {
+    await page.locator(`.language button[lang^=${language}]`).first().evaluate((button) => button.click());   // a dialog may be open
+    await page.locator(`html[lang^=${language}]`).waitFor();
+  };
+  for (const language of ["zh", "en"])
+    for (const [sizeName, size] of Object.entries(sizes)) {
+      await speak(language);
+      await page.setViewportSize(size);
+      await page.screenshot({ path: join(pictures, `${name}-${language}-${sizeName}.png`) });
+    }
+  await page.setViewportSize(sizes.desktop);
+  await speak(before);
+};
 const state = (wanted) => page.locator(`[data-port-transfer][data-state=${wanted}]`).waitFor();
 
 describe("the DNC page", { skip: !built() && "not built" }, () => {
@@ -73,7 +90,7 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     await form.locator("[data-field=line]").fill("38400-8-N-2-software");
     await form.locator("[data-field=after_stop]").fill("64");
     await form.locator("[data-field=listens]").check();
-    await shoot("dnc-port-en");
+    await shoot("dnc-port");
     await form.locator("[data-action=save]").click();
     await form.waitFor({ state: "detached" });
     await page.locator("[data-port-state=listening]").waitFor();
@@ -84,7 +101,7 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     const dialog = page.locator("[data-dialog=port-send]");
     await dialog.locator("[data-field=program]").selectOption({ index: 0 });
     await dialog.locator("[data-field=drip]").check();
-    await shoot("dnc-send-en");
+    await shoot("dnc-send");
     await dialog.locator("[data-action=send-now]").click();
     await dialog.waitFor({ state: "detached" });
     await state("waiting");
@@ -103,10 +120,9 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     await page.locator("[data-action=pause]").click();
     await state("paused");
     const paused = control.text.length;
-    await shoot("dnc-paused-en");
+    await shoot("dnc-paused");
     await useLanguage(page, "zh");
     await page.getByText("已暂停").first().waitFor();
-    await shoot("dnc-paused-zh");
     assert.ok(control.text.length <= paused + 64, "nothing goes out while paused");
     await page.locator("[data-action=resume]").click();
     await useLanguage(page, "en");
@@ -114,12 +130,12 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     assert.deepEqual(control.text, iso(program));
     await page.locator("[data-tab=history]").click();
     await page.locator("[data-history]").first().getByText("Done").waitFor();
-    await shoot("dnc-history-en");
+    await shoot("dnc-history");
     await page.locator("[data-history] [data-action=certificate]").first().click();
     const tail = page.locator("[data-dialog=certificate] [data-tail]");
     await tail.waitFor();
     assert.ok((await tail.textContent()).endsWith("M30\n%\n"));
-    await shoot("dnc-certificate-en");
+    await shoot("dnc-certificate");
     await page.keyboard.press("Escape");
   });
 
@@ -135,7 +151,7 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     await until("the header", async () => (await header.inputValue()).includes("S2000 M03"));
     await dialog.getByText("N115 G01").waitFor();
     assert.ok(await dialog.locator("[data-action=send-now]").isDisabled());
-    await shoot("dnc-restart-en");
+    await shoot("dnc-restart");
     await dialog.locator("[data-field=read]").check();
     await dialog.locator("[data-action=send-now]").click();
     await state("waiting");
@@ -157,11 +173,11 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     await dialog.getByText("cannot be used").waitFor();   // too far
     const soon = new Date(Date.now() + 26 * 3_600_000);
     await dialog.locator("[data-field=time]").fill(new Date(soon.getTime() - soon.getTimezoneOffset() * 60_000).toISOString().slice(0, 16));
-    await shoot("dnc-plan-en");
+    await shoot("dnc-plan");
     await dialog.locator("[data-action=send-now]").click();
     await dialog.waitFor({ state: "detached" });
     await page.locator("[data-plan][data-state=planned]").waitFor();
-    await shoot("dnc-planned-en");
+    await shoot("dnc-planned");
     await page.locator("[data-action=unplan]").click();
     await page.locator("[data-plan]").waitFor({ state: "detached" });
   });
@@ -175,7 +191,7 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     await page.locator("[data-received] [data-action=look]").first().click();
     const dialog = page.locator("[data-dialog=received]");
     await dialog.locator("tr.changed").waitFor();
-    await shoot("dnc-received-en");
+    await shoot("dnc-received");
     await dialog.locator("[data-action=accept]").click();
     await page.locator("[data-received][data-state=accepted]").waitFor();
     const revisions = await shop.list(`/programs/1/revisions`);
@@ -187,7 +203,7 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
   it("shows what lies in the machines and what changed in their data", async () => {
     await page.locator("[data-tab=census]").click();
     await page.locator("[data-resident=O2001][data-state=older]").waitFor();
-    await shoot("dnc-census-en");
+    await shoot("dnc-census");
     for (const wear of ["-1.25", "-1.5"]) {
       await page.locator("[data-tab=ports]").click();
       await page.locator("[data-port-state=listening]").waitFor();
@@ -195,20 +211,22 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
       await page.locator("[data-tab=received] .count").waitFor({ timeout: 60_000 });
       await page.locator("[data-tab=received]").click();
       await page.locator("[data-received][data-state=waiting] [data-action=look]").first().click();
+      await page.locator("[data-dialog=received] [data-field=write]").waitFor();
+      if (wear === "-1.5") await shoot("dnc-received-data");
       await page.locator("[data-dialog=received] [data-action=accept]").click();
       await page.locator("[data-dialog=received]").waitFor({ state: "detached" });
+      await page.getByText("Known from this punch: ").last().waitFor();
       await page.locator("[data-tab=received] .count").waitFor({ state: "detached" });
     }
     await page.locator("[data-tab=data]").click();
     await page.locator("[data-punched] [data-action=look]").first().click();
     const change = page.locator("[data-dialog=machine-data] [data-change]");
     await change.filter({ hasText: "-1.25" }).filter({ hasText: "-1.5" }).waitFor();
-    await shoot("dnc-data-en");
+    await shoot("dnc-data");
     await page.keyboard.press("Escape");
     await useLanguage(page, "zh");
     await page.locator("[data-tab=census]").click();
     await page.getByText("不是发布版本").first().waitFor();
-    await shoot("dnc-census-zh");
     assert.deepEqual(browser.problems, []);
   });
 });

@@ -191,6 +191,34 @@ class Receiving(DncTest):
         self.assertEqual(refused[0]["kind"], "answer")
 
 
+    def test_the_control_asks_for_the_list(self):
+        control = self.control()
+        self.released()
+        self.shop.upload("O4711", parts.MILL.replace("O2001", "O4711"))   # not released: not offered
+        port = self.port(control.device, listens=True, rules=[{"pattern": "(LIST)", "action": "list", "name": "O8000"}])
+        eventually(lambda: self.api.get(f"/ports/{port}")["state"] == "listening", "listening")
+        control.say(b"\x12" + iso("%\nO0001(LIST)\nM30\n%\n") + b"\x14")
+        answer = eventually(lambda: (lambda now: now if now and now["kind"] == "answer" else None)(self.api.get(f"/ports/{port}")["transfer"]), "the answer waits")
+        control.start()
+        self.assertEqual(self.ended(answer["id"])["state"], "done")
+        eventually(lambda: len(control.read) >= answer["total"], "all read")
+        self.assertEqual(bytes(control.read), iso("%\nO8000(PROGRAMS)\n(O2001)\nM30\n%\n"))
+
+    def test_several_programs_in_one_punch_and_names_by_comment(self):
+        control = self.control()
+        port = self.port(control.device, listens=True, name_rule="comment", folder="/from-mill")
+        eventually(lambda: self.api.get(f"/ports/{port}")["state"] == "listening", "listening")
+        control.say(b"\x12" + iso("%\nO0001(FLANGE)\nG00 X1.\nM30\nO0002\nM30\n:3(BOLT M8)\nM99\n%\n") + b"\x14")
+        rows = eventually(lambda: (lambda items: items if len(items) == 3 else None)(self.api.get("/received")["items"]), "three pieces")
+        self.assertEqual(sorted((r["name"], r["folder"], r["state"]) for r in rows),
+                         [("BOLT M8", "/from-mill", "waiting"), ("FLANGE", "/from-mill", "waiting"), ("O0002", "/from-mill", "waiting")])
+        flange = next(r for r in rows if r["name"] == "FLANGE")
+        self.api.post(f"/received/{flange['id']}/reject", {"why": "not ours"})
+        with self.assertRaisesRegex(Exception, "already_decided"):
+            self.api.post(f"/received/{flange['id']}/accept", {"why": ""})
+        self.assertEqual(self.api.get("/programs")["items"], [])
+
+
 class Others(DncTest):
     """Peers that we did not write."""
 

@@ -69,6 +69,20 @@ class Values(ShopTest):
         self.assertEqual(self.value(agent, WEAR), 0.02)
         self.assertEqual(len(self.history(agent, WEAR)), 1, "a restart is no change")
 
+    def test_a_touched_place_becomes_an_offset(self):
+        agent = self.agent()
+        what = "tool/3/geometry/X"
+        self.write(agent, WEAR, 0.02)
+        shown = agent.status()["absolute"][0]
+        agent.panel("touch", f"{what}={shown - 12.5}")
+        newest = eventually(lambda: self.history(agent, what), "history")[0]
+        self.assertEqual((newest["origin"], newest["before"]), ("measurement", 0))
+        self.assertAlmostEqual(newest["after"], 12.5, 6)
+        self.assertEqual(self.history(agent, WEAR)[0]["after"], 0, "the measured offset has no wear")
+        with self.assertRaises(OSError):
+            agent.panel("touch", "work/G57/X=0")  # another system is in force
+        self.assertAlmostEqual(self.on_machine(agent, what), 12.5, 6)
+
     def test_two_people_on_one_offset(self):
         agent = self.agent()
         self.write(agent, WEAR, 0.02)

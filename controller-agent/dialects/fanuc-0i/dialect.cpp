@@ -190,7 +190,6 @@ Dialect make_common() {
                    {R::position_overflow, "PS1160"},
                    {R::transform_overflow, "PS0143"},
                    {R::compensated_overflow, "PS5007"},
-                   {R::offset_value, "PS0029"},
                    {R::surface_speed_zero, "PS1541"},
                    {R::number_place, "PS1013"},
                    {R::too_many_words, "PS5006"},
@@ -351,6 +350,7 @@ Dialect make_fanuc_0i_m() {
              .most_offsets = 400};
   d.tool_offsets.few_parameter = "8136#5";  // NDO
   d.tool_offsets.few = 32;
+  d.tool_offsets.single_parameter = "8136#6";  // NGW: memory A
   d.tool_offsets.normal_axis_parameter = "5001#1";         // TLB
   d.tool_offsets.named_axis_parameter = "5001#0";          // TLC
   d.tool_offsets.several_axes_parameter = "5001#3";        // TAL

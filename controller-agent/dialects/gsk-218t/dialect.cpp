@@ -35,7 +35,6 @@ Dialect make_gsk_218t() {
   d.numbers.negative = letters("IKRUWXZ");
   d.modes.inch_parameter = "P001.6";
   d.modes.x_radius_parameter = "P001.2";
-  d.set_alarm_code(AlarmReason::offset_value, "029");
   d.set_alarm_code(AlarmReason::computed_number, "146");
   d.set_alarm_code(AlarmReason::call_p_value, "162");
   d.arcs.negative_r = false;

@@ -91,7 +91,6 @@ Dialect make_k2000tc() {
                                 {R::measure_number, "PS0081"},
                                 {R::measure_with_offset, "PS0082"},
                                 {R::measure_axis, "PS0083"},
-                                {R::measure_no_length, "PS0237"},
                                 {R::data_input, "PS0032"},
                                 {R::data_value, "PS0032"},
                                 {R::call_without_p, "PS0078"},

@@ -12,8 +12,6 @@
 namespace headstock::reference {
 namespace {
 
-constexpr double kTolerance = 0.02;
-
 std::vector<Piece> contour_with_steps(std::mt19937& random) {
   std::uniform_real_distribution<double> heading(-1.4, 1.4), size(8, 20), step(0.2, 2), chance(0, 1);
   std::uniform_int_distribution<int> count(4, 9);
@@ -34,13 +32,7 @@ TEST(CompensationAvoidance, WhatPassesCutsNothingNearby) {
   for (int i = 0; i < 3'000; ++i) {
     const std::vector<Piece> contour = as_programmed(contour_with_steps(random));
     const double r = std::round(tool(random) * 1000) / 1000;
-    std::string program = i % 2 == 0 ? "G90 G94 G00 X-30. Y0\nG41 G01 X0 Y0 D1 F500\n"
-                                     : "G90 G94 G00 X-30. Y0\nG42 G01 X0 Y0 D1 F500\n";
-    for (const Piece& p : contour) program += block(p);
-    char leave[100];
-    std::snprintf(leave, sizeof leave, "G40 G01 X%.3f Y%.3f\nM30\n", contour.back().to.x + 30,
-                  contour.back().to.y);
-    program += leave;
+    const std::string program = program_around(contour, i % 2 == 0 ? 1 : -1);
     SCOPED_TRACE(program + "r " + std::to_string(r));
     const Made without = run(program, r);
     const Made made = run(program, r, R"({"19607#5": 1})");
@@ -60,8 +52,8 @@ TEST(CompensationAvoidance, WhatPassesCutsNothingNearby) {
     ++avoided;
     for (std::size_t m = 0; m < made.path.size(); ++m) {
       const unsigned block_line = made.lines[m];
-      if (block_line < 3 || block_line > 2 + contour.size()) continue;
-      const int own = static_cast<int>(block_line) - 3;
+      if (block_line <= kLinesBefore || block_line > kLinesBefore + contour.size()) continue;
+      const int own = static_cast<int>(block_line - kLinesBefore) - 1;
       for (int k = 0; k <= 40; ++k) {
         const Xy at = point(made.path[m], k / 40.0);
         for (int j = std::max(0, own - 2); j < static_cast<int>(contour.size()) && j <= own + 2; ++j)

@@ -115,6 +115,16 @@ std::vector<Piece> as_programmed(const std::vector<Piece>& contour) {
   return out;
 }
 
+std::string program_around(const std::vector<Piece>& contour, int side) {
+  std::string program = side > 0 ? "G90 G94 G00 X-30. Y0\nG41 G01 X0 Y0 D1 F500\n"
+                                 : "G90 G94 G00 X-30. Y0\nG42 G01 X0 Y0 D1 F500\n";
+  for (const Piece& p : contour) program += block(p);
+  char leave[100];
+  std::snprintf(leave, sizeof leave, "G40 G01 X%.3f Y%.3f\nM30\n", contour.back().to.x + 30,
+                contour.back().to.y);
+  return program + leave;
+}
+
 Made run(const std::string& program, double radius, const std::string& parameters) {
   const dialects::Dialect* dialect = dialects::find("fanuc-0i-m");
   const machine::Machine machine = *machine::default_machine("fanuc-0i-m");

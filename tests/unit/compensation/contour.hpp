@@ -28,6 +28,15 @@ Xy point(const Piece& piece, double fraction);
 double distance(Xy from, const Piece& to);
 double distance(Xy from, const std::vector<Piece>& to);
 
+/// End points are written with three decimals; where vectors are deleted the control links what is left by a
+/// straight line, as the manuals say, which may pass a neighbour by some micrometres less.
+inline constexpr double kTolerance = 0.02;
+/// Blocks of `program_around` before the contour's first: piece i is line i + kLinesBefore + 1.
+inline constexpr unsigned kLinesBefore = 2;
+/// A program for a mill that comes to the contour's start, follows it with G41 (side > 0) or G42 and leaves
+/// it.
+std::string program_around(const std::vector<Piece>& contour, int side);
+
 /// X Y words with three decimals, arcs with I J.
 std::string block(const Piece& piece);
 /// The piece as the control reads it: end points rounded to 0.001, the centre from rounded I J.

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kRadius = 3;
-constexpr double kTolerance = 0.004;  // end points are written with three decimals
+constexpr double kRounded = 0.004;  // end points are written with three decimals
 
 Piece piece(Xy from, double heading, int kind) {
   if (kind == 0) return line(from, {from.x + 40 * std::cos(heading), from.y + 40 * std::sin(heading)});
@@ -55,8 +55,8 @@ void check(const Corner& c) {
       far = std::max(far, d);
     }
   }
-  EXPECT_GT(nearest, kRadius - kTolerance);
-  EXPECT_LT(far, furthest + kTolerance);
+  EXPECT_GT(nearest, kRadius - kRounded);
+  EXPECT_LT(far, furthest + kRounded);
 
   // The contour is touched everywhere but in the shadow of an inside corner.
   const double shadow = inside ? kRadius * std::tan(std::abs(c.turn_deg) * kDegree / 2) * 1.4 + 0.5 : 0;
@@ -68,7 +68,7 @@ void check(const Corner& c) {
     for (int k = 0; k <= 100; ++k) {
       const Xy q = point(p, k / 100.0);
       if (std::hypot(q.x - a.to.x, q.y - a.to.y) < shadow) continue;
-      EXPECT_LT(distance(q, centre), kRadius + kTolerance) << k;
+      EXPECT_LT(distance(q, centre), kRadius + kRounded) << k;
     }
   }
 }

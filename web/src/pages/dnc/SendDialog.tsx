@@ -59,7 +59,7 @@ export function SendDialog({ port, onClose }: { port: Port; onClose: () => void 
       {again && !restart && <Button kind="primary" busy={busy} disabled={!program} data-action="ask-restart" onClick={ask}>{t("dnc.restart_show")}</Button>}
       {(!again || restart) && <Button kind="primary" icon="send" busy={busy} disabled={!ready} data-action="send-now" onClick={send}>{t(when === "time" ? "dnc.send_plan" : port.transfer && port.kind === "line" ? "dnc.send_queue" : "dnc.send_now")}</Button>}</>}>
       <Field label={t("dnc.send_program")}><input value={q} placeholder={t("dnc.send_search")} onChange={(event) => { setQ(event.target.value); }} /></Field>
-      <select size={7} className="program-choice" data-field="program" value={chosen ?? ""} onChange={(event) => { setChosen(Number(event.target.value)); forget(); }}>
+      <select size={5} className="program-choice" data-field="program" value={chosen ?? ""} onChange={(event) => { setChosen(Number(event.target.value)); forget(); }}>
         {released.map((one) => <option key={one.id} value={one.id}>{one.folder === "/" ? "" : `${one.folder}/`}{one.name} · {t("programs.revision_n", { number: one.released?.number ?? 0 })}</option>)}
       </select>
       <small className="dim">{t("dnc.send_released_only")}</small>

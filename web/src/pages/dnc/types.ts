@@ -19,9 +19,10 @@ export interface Port {
 }
 export interface Protocol { name: string; text: { en: string; zh: string }; source: string; settings: PortSettings }
 export interface Received {
-  id: number; port: number; kind: string; name: string; comment: string; closed: boolean; folder: string; program: number | null;
+  id: number; port: number; machine: number | null; kind: string; name: string; comment: string; closed: boolean; folder: string; program: number | null;
   against_revision: number | null; classes: string[]; state: string; at: string; decided_by: string | null;
 }
+export interface PunchedOutcome { written: number; differ: number; same: number; without_place: number; request: number | null; request_state: string | null; request_reason: string | null }
 export interface MonitorEntry { sequence: number; at: string; kind: "in" | "out" | "signals" | "fault" | "note"; text: string; hex: string | null }
 export interface Plan { id: number; port: number; program: number; revision: number; name: string; drip: boolean; from_line: number; at: string; state: string; reason: string | null; transfer: number | null; by: string; ended: string | null }
 export interface CensusEntry {

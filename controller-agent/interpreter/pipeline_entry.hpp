@@ -1,0 +1,31 @@
+// Inside the pipeline only: an operation on its way with what is known of it. Entries are handed on by
+// pointer and used again: an operation is moved once on its way in and once on its way out, however long it
+// waits.
+#pragma once
+
+#include "interpreter/pipeline.hpp"
+
+namespace headstock::interp {
+
+struct PipelineKnown {
+  enum class Role : std::uint8_t { body, start };
+
+  CompensationMode mode;
+  CornerRequest request;
+  comp::Segment path;  ///< programmed, in the plane
+  comp::Point start_vector;
+  BlockVector vector;
+  Role role = Role::body;
+  bool motion = false;
+  bool plane_move = false;  ///< moves in the plane by more than nothing
+  bool zero_move = false;   ///< a move in the plane by nothing
+  bool lifted = false;      ///< runs without the vector
+  bool free_start = false;  ///< starts at a vector that is not its own: not checked
+  bool after_gap = false;   ///< the block before it was left out because of interference
+};
+
+struct PipelineEntry : PipelineKnown {
+  Operation op;
+};
+
+}  // namespace headstock::interp
