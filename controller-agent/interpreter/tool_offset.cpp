@@ -107,7 +107,7 @@ bool take_h_word(Executor& ex) {
       return ex.alarm(AlarmReason::offset_value, column, "H");
   }
   ex.length_offset = number;
-  if (too_large(ex, length_of(ex))) return ex.alarm(AlarmReason::offset_value, column, "H");
+  if (too_large(ex, length_value(ex, number))) return ex.alarm(AlarmReason::offset_value, column, "H");
   return true;
 }
 
