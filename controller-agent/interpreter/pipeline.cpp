@@ -87,9 +87,12 @@ bool Pipeline::too_far(const Executor& ex, const Motion& motion) {
 }
 
 void Pipeline::send(Executor& ex, Operation&& op) {
-  if (on_ && !stopped_) {
-    if (const Motion* motion = motion_in(op); motion != nullptr && too_far(ex, *motion))
-      return raise(ex, AlarmReason::compensated_overflow, motion->at, 0, {});
+  if (const Motion* motion = on_ || stopped_ ? motion_in(op) : nullptr; motion != nullptr) {
+    if (stopped_) return;  // nothing moves behind an alarm
+    if (too_far(ex, *motion)) {
+      stopped_ = ex.finished = true;
+      op = Alarm{motion->at, std::string(ex.dialect.alarm_code(AlarmReason::compensated_overflow)), {}};
+    }
   }
   if (!ex.out_used) {
     ex.out_used = true;
