@@ -17,7 +17,7 @@ namespace headstock::client {
 namespace {
 
 struct Fields {
-  std::string port, name, address, machine, protocol, line, folder, program, header, why, settings, at;
+  std::string port, name, address, machine, protocol, line, folder, program, header, why, settings, at, name_rule;
   std::vector<std::string> rules;
   std::int64_t revision = 0, from_line = 0, from_block = 0, from_sequence = -1, from_tool = 0, occurrence = 1, id = 0;
   bool listen = false, no_listen = false, drip = false, queue = false, armed = false, wait = false, yes = false, follow = false, write = false;
@@ -60,6 +60,7 @@ json fields_of(Connection& server, const Fields& given) {
   if (!given.address.empty()) body["address"] = given.address;
   if (!given.machine.empty()) body["machine"] = find_machine(server, given.machine).at("id");
   if (!given.folder.empty()) body["folder"] = given.folder;
+  if (!given.name_rule.empty()) body["name_rule"] = given.name_rule;
   if (given.listen) body["listens"] = true;
   if (given.no_listen) body["listens"] = false;
   for (const auto& rule : given.rules) {
@@ -267,6 +268,8 @@ void add_port_commands(CLI::App& app, Context& context) {
     made.add_option("--line", fields->line, "9600-7-E-2-software");
     made.add_option("--settings", fields->settings, "Further settings as JSON");
     made.add_option("--folder", fields->folder, "Where received programs belong");
+    made.add_option("--name-rule", fields->name_rule, "What received programs are called by: their O number or their comment")
+        ->check(CLI::IsMember({"number", "comment"}));
     made.add_option("--rule", fields->rules, "Answer requests: '(GET=*):O*', '(LIST):O9999'; may come several times");
     made.add_flag("--listen", fields->listen, "Keep the port open, take punches, answer requests");
     made.add_flag("--no-listen", fields->no_listen, "Open the port only for transfers");

@@ -387,7 +387,7 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   ex.out_used = out_used;
   ex.queue = std::move(queue);
   ex.queue_head = queue_head;
-  ex.cycle.watch.reset();
+  const auto ended = std::move(ex.cycle.watch);  // `reading` is asked once more below
   if (raised) {
     ex.finished = false;
     auto& alarm = ex.emit<interp::Alarm>();

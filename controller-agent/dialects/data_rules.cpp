@@ -32,30 +32,25 @@ struct Rules {
   std::uint32_t first_variable = 100, last_volatile = 199, first_kept = 500, last_kept = 999;
 };
 
+/// @param few offset numbers while No. 8136#5 says fewer
+constexpr Rules fanuc_0i(std::string_view profile, std::uint32_t few, int extra_systems) {
+  return {.profile = profile,
+          .largest_mm = 9'999.999,
+          .largest_radius_mm = 9'999.999,
+          .fewer_numbers = "8136#5",
+          .few = few,
+          .no_wear = "8136#6",
+          .coarse = "5042#0",
+          .fine = "5042#1",
+          .variables_from = "6031",
+          .variables_to = "6032",
+          .while_running = true,
+          .extra_systems = extra_systems};
+}
+
 constexpr Rules kRules[] = {
-    {.profile = "fanuc-0i-t",
-     .largest_mm = 9'999.999,
-     .largest_radius_mm = 9'999.999,
-     .fewer_numbers = "8136#5",
-     .few = 64,
-     .no_wear = "8136#6",
-     .coarse = "5042#0",
-     .fine = "5042#1",
-     .variables_from = "6031",
-     .variables_to = "6032",
-     .while_running = true},
-    {.profile = "fanuc-0i-m",
-     .largest_mm = 9'999.999,
-     .largest_radius_mm = 9'999.999,
-     .fewer_numbers = "8136#5",
-     .few = 200,
-     .no_wear = "8136#6",
-     .coarse = "5042#0",
-     .fine = "5042#1",
-     .variables_from = "6031",
-     .variables_to = "6032",
-     .while_running = true,
-     .extra_systems = 48},
+    fanuc_0i("fanuc-0i-t", 64, 0),
+    fanuc_0i("fanuc-0i-m", 200, 48),
     {.profile = "gsk-2000tc",
      .largest_mm = 9'999.9999,
      .largest_radius_mm = 9'999.9999,

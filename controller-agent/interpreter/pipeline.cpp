@@ -36,7 +36,7 @@ Pipeline::EntryPtr Pipeline::fresh() {
   if (spare_.empty()) return std::make_unique<Entry>();
   EntryPtr entry = std::move(spare_.back());
   spare_.pop_back();
-  static_cast<PipelineKnown&>(*entry) = {};
+  entry->begin();
   return entry;
 }
 

@@ -2,7 +2,6 @@
 // it, whose corner with `last_` is known but may still lose vectors when `last_` turns out to run backwards.
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include "interpreter/executor.hpp"
@@ -174,24 +173,24 @@ void Pipeline::compensate(Executor& ex, EntryPtr entry) {
   comp::OffsetRules rules = settings(ex).offset;
   if (std::holds_alternative<Rapid>(entry->op)) rules.circular_outside = false;
   const double r_last = last_->mode.radius;
-  Vectors v;
-  if (last_->vector.given) {
-    v = comp::single(comp::normal_of(last_->vector.direction, r_last));
-  } else if (last_->role == PipelineKnown::Role::start) {
-    v = comp::start_up(last_->path, entry->path, r, rules);
-  } else if (corner_arc_.asked) {
-    v = comp::corner_arc(last_->path,
-                         corner_arc_.has_direction ? corner_arc_.direction : entry->path.direction_at_start(),
-                         r_last);
-  } else if (r * r_last < 0) {
-    if (ex.dialect.compensation.side_change_after_start_is_alarm && has_previous_ &&
-        previous_->role == PipelineKnown::Role::start) {
-      return raise(ex, AlarmReason::compensation_side, motion_in(entry->op)->at, 0, {});
-    }
-    v = comp::change_side(last_->path, r_last, entry->path, r);
-  } else {
-    v = comp::corner(last_->path, entry->path, r_last, rules);
+  const bool starts = last_->role == PipelineKnown::Role::start;
+  const bool other_side = !last_->vector.given && !starts && !corner_arc_.asked && r * r_last < 0;
+  if (other_side && ex.dialect.compensation.side_change_after_start_is_alarm && has_previous_ &&
+      previous_->role == PipelineKnown::Role::start) {
+    return raise(ex, AlarmReason::compensation_side, motion_in(entry->op)->at, 0, {});
   }
+  const auto vectors = [&]() -> Vectors {
+    if (last_->vector.given) return comp::single(comp::normal_of(last_->vector.direction, r_last));
+    if (starts) return comp::start_up(last_->path, entry->path, r, rules);
+    if (corner_arc_.asked) {
+      return comp::corner_arc(
+          last_->path, corner_arc_.has_direction ? corner_arc_.direction : entry->path.direction_at_start(),
+          r_last);
+    }
+    if (other_side) return comp::change_side(last_->path, r_last, entry->path, r);
+    return comp::corner(last_->path, entry->path, r_last, rules);
+  };
+  Vectors v = vectors();
   corner_arc_ = {};
   if (v.count == 0) {
     return raise(ex, AlarmReason::compensation_no_crossing, motion_in(entry->op)->at, 0, {});
@@ -296,12 +295,8 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
   const CompensationMode& mode = previous_->mode;
   const comp::Segment& path = previous_->path;
   if (in_place(ex)) passed_ = previous_->op;
-  std::optional<Motion> like;  // what the moves around the corner have in common with the block
-  MotionFeed speed;
-  if (corner_.count > 1) {
-    like = *motion_in(previous_->op);
-    speed = feed_of(next != nullptr ? next->op : previous_->op);
-  }
+  const bool around = corner_.count > 1;
+  const MotionFeed speed = around ? feed_of(next != nullptr ? next->op : previous_->op) : MotionFeed{};
 
   const Point first = corner_.first();
   if (path.arc) {
@@ -311,9 +306,14 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
     run.sweep = comp::arc(run.from, run.to, run.center, run.turn).sweep;
     set_arc(ex, previous_->op, mode, run, mode.tip);
   }
-  displace(ex, *motion_in(previous_->op), mode, first);
+  // Moved on first, displaced there: what was only just written is slow to move.
+  const bool to_caller = !ex.out_used;
+  const std::size_t place = ex.queue.size();
   send(ex, std::move(previous_->op));
   has_previous_ = false;
+  displace(ex, *motion_in(to_caller ? *ex.out : ex.queue[place]), mode, first);
+  const bool stops = settings(ex).stops;
+  std::uint32_t part = motion_in(to_caller ? *ex.out : ex.queue[place])->at.part;
 
   const Point tip = mode.tip;
   for (std::size_t i = 1; i < corner_.count; ++i) {
@@ -326,8 +326,10 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
       move.from = move.from + tip;
       move.to = move.to + tip;
     }
-    if (settings(ex).stops) ++like->at.part;
-    send(ex, motion_along(ex, *like, mode, to, move, speed));
+    const Motion& like = *motion_in(to_caller ? *ex.out : ex.queue[place]);
+    Operation made = motion_along(ex, like, mode, to, move, speed);
+    if (stops) motion_in(made)->at.part = ++part;
+    send(ex, std::move(made));
   }
   kept_ = corner_.last();
   kept_mode_ = mode;

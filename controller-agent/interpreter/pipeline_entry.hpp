@@ -26,6 +26,15 @@ struct PipelineKnown {
 
 struct PipelineEntry : PipelineKnown {
   Operation op;
+
+  /// Used again: nothing is known yet. What describe() and take() fill in for every motion stays as it is.
+  void begin() {
+    request = {};
+    start_vector = {};
+    vector = {};
+    role = Role::body;
+    motion = plane_move = zero_move = lifted = free_start = after_gap = false;
+  }
 };
 
 }  // namespace headstock::interp

@@ -57,42 +57,64 @@ void move_end(const Executor& ex, Operation& operation, const CompensationMode& 
   set_arc(ex, operation, mode, path, {});
 }
 
-Operation motion_along(const Executor& ex, const Motion& like, const CompensationMode& mode, Point end,
-                       const comp::Segment& path, const MotionFeed& speed) {
-  Motion base = like;
-  base.axes = 0;
-  base.exact_stop = false;
-  shift_end(ex, base, mode, end - Point{base.end_machine[mode.first], base.end_machine[mode.second]});
-  if (path.arc && !speed.rapid) {
-    Arc arc;
-    static_cast<Motion&>(arc) = base;
-    arc.feed = speed.feed;
-    arc.unit = speed.unit;
-    arc.plane = mode.plane;
-    arc.turn = path.turn > 0 ? Turn::ccw : Turn::cw;
-    arc.center_work = base.end_work;
-    arc.center_machine = base.end_machine;
-    const auto set = [&](std::size_t axis, double mm) {
-      arc.center_machine[axis] += mm;
-      arc.center_work[axis] += mm / mm_per_unit(ex, base.modal, axis);
-    };
-    set(mode.first, path.center.u - end.u);
-    set(mode.second, path.center.v - end.v);
-    arc.radius_mm = path.start_radius();
-    arc.turns = path.sweep / (2 * std::numbers::pi);
-    return arc;
-  }
-  if (speed.rapid) {
-    Rapid rapid;
-    static_cast<Motion&>(rapid) = base;
-    rapid.linear = speed.linear;
-    return rapid;
-  }
-  Feed feed;
-  static_cast<Motion&>(feed) = base;
+namespace {
+
+// What all moves have in common, written where it stays: `like`, ending elsewhere.
+void begin_like(const Executor& ex, Motion& made, const Motion& like, const CompensationMode& mode,
+                Point end) {
+  made = like;
+  made.axes = 0;
+  made.exact_stop = false;
+  shift_end(ex, made, mode, end - Point{made.end_machine[mode.first], made.end_machine[mode.second]});
+}
+
+Operation arc_along(const Executor& ex, const Motion& like, const CompensationMode& mode, Point end,
+                    const comp::Segment& path, const MotionFeed& speed) {
+  Operation made(std::in_place_type<Arc>);
+  Arc& arc = std::get<Arc>(made);
+  begin_like(ex, arc, like, mode, end);
+  arc.feed = speed.feed;
+  arc.unit = speed.unit;
+  arc.plane = mode.plane;
+  arc.turn = path.turn > 0 ? Turn::ccw : Turn::cw;
+  arc.center_work = arc.end_work;
+  arc.center_machine = arc.end_machine;
+  const auto set = [&](std::size_t axis, double mm) {
+    arc.center_machine[axis] += mm;
+    arc.center_work[axis] += mm / mm_per_unit(ex, arc.modal, axis);
+  };
+  set(mode.first, path.center.u - end.u);
+  set(mode.second, path.center.v - end.v);
+  arc.radius_mm = path.start_radius();
+  arc.turns = path.sweep / (2 * std::numbers::pi);
+  return made;
+}
+
+Operation rapid_along(const Executor& ex, const Motion& like, const CompensationMode& mode, Point end,
+                      const MotionFeed& speed) {
+  Operation made(std::in_place_type<Rapid>);
+  Rapid& rapid = std::get<Rapid>(made);
+  begin_like(ex, rapid, like, mode, end);
+  rapid.linear = speed.linear;
+  return made;
+}
+
+Operation feed_along(const Executor& ex, const Motion& like, const CompensationMode& mode, Point end,
+                     const MotionFeed& speed) {
+  Operation made(std::in_place_type<Feed>);
+  Feed& feed = std::get<Feed>(made);
+  begin_like(ex, feed, like, mode, end);
   feed.feed = speed.feed;
   feed.unit = speed.unit;
-  return feed;
+  return made;
+}
+
+}  // namespace
+
+Operation motion_along(const Executor& ex, const Motion& like, const CompensationMode& mode, Point end,
+                       const comp::Segment& path, const MotionFeed& speed) {
+  if (speed.rapid) return rapid_along(ex, like, mode, end, speed);
+  return path.arc ? arc_along(ex, like, mode, end, path, speed) : feed_along(ex, like, mode, end, speed);
 }
 
 }  // namespace headstock::interp

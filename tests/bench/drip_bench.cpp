@@ -1,7 +1,7 @@
 // Throughput of a drip-feed over loopback, from a stored program to the interpreter's thread, hashed, checked
 // and resumable; and, in turn with it, of `openssl s_server` and `s_client` as the reference. Prints one JSON
-// line: the medians of the rounds, and the median of the rounds' ratios. Exit status 1 when the bytes were
-// not identical.
+// line: the medians of the rounds, and the medians of the rounds' ratios, of speed and of processor time.
+// Exit status 1 when the bytes were not identical.
 //
 //   bench_drip [MiB, default 256] [rounds, default 5]
 #include <signal.h>
@@ -33,6 +33,19 @@ double seconds_since(Clock::time_point start) {
 double median(std::vector<double> values) {
   std::ranges::sort(values);
   return values[values.size() / 2];
+}
+
+/// Processor time of this process and of the programs it has waited for: unlike MB/s it hardly depends on
+/// what else the computer does.
+double cpu_seconds() {
+  double seconds = 0;
+  for (const auto whose : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    struct rusage usage {};
+    ::getrusage(whose, &usage);
+    for (const timeval& part : {usage.ru_utime, usage.ru_stime})
+      seconds += static_cast<double>(part.tv_sec) + static_cast<double>(part.tv_usec) * 1e-6;
+  }
+  return seconds;
 }
 
 double drip(std::uint64_t bytes, bool& identical) {
@@ -85,22 +98,26 @@ int main(int count, char** arguments) {
   const std::uint64_t bytes = (count > 1 ? std::strtoull(arguments[1], nullptr, 10) : 256) << 20;
   const int rounds = count > 2 ? std::max(1, std::atoi(arguments[2])) : 5;
   const TemporaryFolder folder;
-  std::vector<double> references, fed, ratios;
+  std::vector<double> references, fed, ratios, cpu_ratios;
   bool identical = true;
   for (int round = 0; round < rounds; ++round) {
+    const double before = cpu_seconds();
     references.push_back(bench::openssl_pair_mb_s(folder.path(), bytes));
+    const double between = cpu_seconds();
     bool same = false;
     fed.push_back(drip(bytes, same));
     identical = identical && same;
     ratios.push_back(references.back() > 0 ? fed.back() / references.back() : 0);
+    cpu_ratios.push_back((cpu_seconds() - between) / std::max(between - before, 1e-3));
   }
   struct rusage usage {};
   ::getrusage(RUSAGE_SELF, &usage);
   std::printf(
-      "{\"drip_mb_s\":%.1f,\"openssl_pair_mb_s\":%.1f,\"ratio\":%.3f,\"rounds\":%d,\"mib\":%llu,"
+      "{\"drip_mb_s\":%.1f,\"openssl_pair_mb_s\":%.1f,\"ratio\":%.3f,\"cpu_of_openssl\":%.2f,\"rounds\":%d,"
+      "\"mib\":%llu,"
       "\"identical\":%s,"
       "\"peak_memory_mib\":%ld}\n",
-      median(fed), median(references), median(ratios), rounds, static_cast<unsigned long long>(bytes >> 20),
-      identical ? "true" : "false", usage.ru_maxrss / 1024);
+      median(fed), median(references), median(ratios), median(cpu_ratios), rounds,
+      static_cast<unsigned long long>(bytes >> 20), identical ? "true" : "false", usage.ru_maxrss / 1024);
   return identical ? 0 : 1;
 }

@@ -215,7 +215,8 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
       if (wear === "-1.5") await shoot("dnc-received-data");
       await page.locator("[data-dialog=received] [data-action=accept]").click();
       await page.locator("[data-dialog=received]").waitFor({ state: "detached" });
-      await page.getByText("Known from this punch: ").last().waitFor();
+      const { values } = await shop.call("GET", "/machines/1/values");
+      assert.deepEqual([values["tool/1/geometry/Z"], values["tool/1/wear/Z"]], [120.5, Number(wear)], "the machine has what it has punched");
       await page.locator("[data-tab=received] .count").waitFor({ state: "detached" });
     }
     await page.locator("[data-tab=data]").click();

@@ -169,6 +169,19 @@ describe("the pages", () => {
     await useLanguage(page, "en");
   });
 
+  it("show when a machine did what, and its parts beside the target", async () => {
+    await page.goto(`${mock.url}/#/times/3?period=7d`);
+    await page.locator("[data-panel=timeline] .timeline-day .state-running").first().waitFor();
+    assert.equal(await page.locator("[data-panel=timeline] .timeline-day").count(), 7, "a line a day");
+    for (const day of await page.locator("[data-panel=timeline] .timeline-day").all()) {
+      const wide = await day.evaluate((line) => [...line.children].every((piece) => piece.offsetLeft >= 0 && piece.offsetLeft + piece.offsetWidth <= line.clientWidth + 2));
+      assert.ok(wide, "no state reaches out of its day");
+    }
+    await page.locator("[data-panel=pieces] .parts-target .target").first().waitFor();
+    const csv = page.locator("[data-panel=timeline] a.csv");
+    assert.match(await csv.getAttribute("href"), /\/machines\/3\/states\?.*format=csv/);
+  });
+
   it("change a shift", async () => {
     await page.goto(`${mock.url}/#/times`);
     await page.locator("[data-action=shifts]").click();

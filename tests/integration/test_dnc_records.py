@@ -180,6 +180,7 @@ class Records(DncTest):
         change = eventually(lambda: self.api.get(f"/machines/{agent.id}/value-changes", what="tool/1/geometry/Z")["items"], "history")[0]
         self.assertEqual((change["origin"], change["request"]), ("import", written["request"]))
         agent.process.kill9()
+        eventually(lambda: not agent.live()["connected"], "the server has noticed")
         self.assertEqual(accepted(punched.replace("120.5", "99."), write=True)["request_reason"], "not_connected")
         self.assertEqual(length(), 120.5)
 

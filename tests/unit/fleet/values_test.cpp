@@ -271,6 +271,17 @@ TEST_F(Values, AGroupTooManyIsTakenOffWholeAndAToolTooManyFromTheEnd) {
   EXPECT_EQ(machine_pages(*db, machine).data.tool_life.groups.size(), 1u) << "the machine told that the group is gone";
 }
 
+TEST_F(Values, LivesAreUsesOrMinutesAndDoNotTurnIntoEachOther) {
+  report(life_group(1, 2, 7));
+  const std::string refused = refusal([&] { ask(wang, {{"tool_life/2/unit", std::nullopt, 2, std::nullopt, false}}); });
+  EXPECT_EQ(refused, "value_refused tool_life/2/unit: out_of_range") << "no control of ours counts by weight";
+  json minutes = life_group(1, 2, 7);
+  minutes["tool_life/1/unit"] = 1;
+  const Difference other = difference(*db, machine, as_values(minutes), "");
+  EXPECT_EQ(refusal([&] { ask(wang, other.items); }), "value_refused tool_life/1/unit: out_of_range")
+      << "counts of one are no counts of the other: told, nothing written";
+}
+
 TEST_F(Values, ASnapshotIsKeptAsItWas) {
   report({{"tool/1/geometry/X", 1}});
   const auto row = take_snapshot(*db, wang, machine, "before the overhaul", 5);

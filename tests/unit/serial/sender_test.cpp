@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <optional>
 #include <random>
 
 #include "protocol/serial/protocols.hpp"
@@ -201,11 +202,14 @@ struct World {
   /// runs.
   std::string run(Duration late, Duration limit) {
     Duration now{}, wake{}, next_on_wire{}, next_read{};
-    sender_told("\x11", now);
+    sender_told(go(), now);
     while (!sender.over() && now < limit) {
       now += character / 4;
       while (!back.empty() && back.front().first <= now) {
-        sender.on_bytes({&back.front().second, 1}, at(now));
+        if (hardware)
+          sender.on_signals(cts(back.front().second == kReady), at(now));
+        else
+          sender.on_bytes({&back.front().second, 1}, at(now));
         back.pop_front();
         wake = now;
       }
@@ -237,7 +241,7 @@ struct World {
         next_read = now + character * (slow ? random() % 3 : 0);
         if (stopped && buffer.size() < 32) {
           stopped = false;
-          sender_told("\x11", now);
+          sender_told(go(), now);
         }
         if (slow && random() % 200 == 0) next_read = now + character * (random() % 400);
       }
@@ -249,6 +253,16 @@ struct World {
     return read;
   }
 
+  static constexpr char kReady = 'R', kNotReady = 'N';  ///< CTS, where it is used instead of DC1 and DC3
+  static Signals cts(bool on) {
+    Signals signals;
+    signals.known = true;
+    signals.cts = on;
+    return signals;
+  }
+  const char* go() const { return hardware ? &kReady : "\x11"; }
+  const char* halt() { return hardware ? &kNotReady : random() % 2 ? "\x93" : "\x13"; }
+
   void sender_told(const char* code, Duration now) {
     back.emplace_back(now + character * (1 + random() % 2), *code);
   }
@@ -259,8 +273,9 @@ struct World {
     if (!stopped && (buffer.size() > 96 || (slow && random() % 300 == 0))) {
       stopped = true;
       after = 0;
-      sender_told(random() % 2 ? "\x93" : "\x13", now);
+      sender_told(halt(), now);
     }
+    if (fault && ++arrived == fault_at) sender.on_fault(*fault, at(now));
   }
 
   Sender& sender;
@@ -269,7 +284,9 @@ struct World {
   std::deque<char> wire, buffer;
   std::deque<std::pair<Duration, char>> back;
   std::string read;
-  bool slow = true, reads = true, stopped = false, overflow = false;
+  bool slow = true, reads = true, stopped = false, overflow = false, hardware = false;
+  std::optional<Fault> fault;  ///< of the line, when so many characters have arrived
+  std::size_t fault_at = 0, arrived = 0;
   unsigned after = 0, most_after = 0;
   Duration first_on_wire{}, last_on_wire{};
 };
@@ -297,6 +314,46 @@ TEST(Sender, AThousandRandomTransfersLoseNothing) {
   EXPECT_LE(worst, 10u) << "FANUC: at most 10 characters after DC3 (PS0087)";
   EXPECT_GT(stops, 1'000u);
   RecordProperty("worst_after_stop", static_cast<int>(worst));
+}
+
+TEST(Sender, AThousandRandomTransfersWithInjectedFaultsAndCtsChanges) {
+  constexpr const char* kProtocols[] = {"dc1-dc4", "xon-xoff", "rts-cts"};
+  constexpr Fault kFaults[] = {Fault::parity, Fault::framing, Fault::overrun, Fault::line_break,
+                               Fault::disconnected};
+  std::mt19937 random(6);
+  unsigned faults = 0, whole = 0, worst = 0;
+  for (unsigned round = 0; round < 1'000; ++round) {
+    std::string text;
+    const std::size_t length = 50 + random() % 1'000;
+    for (std::size_t i = 0; i < length; ++i) text += static_cast<char>("0123456789XYZGM. -\n"[random() % 19]);
+    auto rules = send_rules(default_settings(kProtocols[round % 3]));
+    rules.window = 8;
+    Sender sender(rules, text_source(text), at(0s));
+    World world(sender, rules.character, round);
+    world.hardware = rules.obey_cts;
+    if (random() % 2 != 0) {
+      world.fault = kFaults[random() % std::size(kFaults)];
+      world.fault_at = 1 + random() % (length - 30);
+    }
+    const auto read = world.run(rules.character * 8, 10min);
+    ASSERT_FALSE(world.overflow) << round;
+    worst = std::max(worst, world.most_after);
+    if (world.fault) {
+      ++faults;
+      ASSERT_EQ(sender.state(), State::failed) << round;
+      ASSERT_EQ(sender.reason(), name_of(*world.fault)) << round;
+      ASSERT_TRUE(text.starts_with(read)) << round << ": nothing doubled, left out or in another order";
+      ASSERT_GE(read.size(), world.fault_at);
+      ASSERT_TRUE(sender.peek(at(10min), 0).empty()) << "nothing goes on by itself";
+    } else {
+      ++whole;
+      ASSERT_EQ(sender.state(), State::done) << round << " " << sender.reason();
+      ASSERT_EQ(read, text) << round;
+    }
+  }
+  EXPECT_GT(faults, 400u);
+  EXPECT_GT(whole, 400u);
+  EXPECT_LE(worst, 10u);
 }
 
 double line_use(unsigned baud, unsigned after_stop, Duration late) {

@@ -59,7 +59,7 @@ export function AlarmHistory() {
           onBlur={() => set({ q: text.q.trim() || null })} /></label>
         <label className="check"><input type="checkbox" name="active" checked={chosen.active === "true"} onChange={(event) => set({ active: event.target.checked ? "true" : null })} />{t("alarms.active_only")}</label>
         <button type="submit" className="visually-hidden">{t("common.apply")}</button>
-        <CsvLink path={`/alarms${query({ ...chosen, from: utc(chosen.from), to: utc(chosen.to) })}`} />
+        {view === "list" && <CsvLink path={`/alarms${query({ ...chosen, from: utc(chosen.from), to: utc(chosen.to) })}`} />}
         {filtered && <Button small kind="quiet" icon="close" onClick={() => { setText({ code: "", q: "" }); swap(address(["alarms"])); }}>{t("alarms.clear")}</Button>}
       </form>
       <Tabs label={t("alarms.view")} value={view} onChange={(value) => swap(address(["alarms"], { ...chosen, view: value === "list" ? null : value }))}

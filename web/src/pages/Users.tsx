@@ -19,7 +19,7 @@ export function Users() {
   return (
     <div className="page-part" data-page="users">
       <div className="page-bar"><h1>{t("nav.users")}</h1>
-        <Button kind="primary" icon="plus" onClick={() => setOpen({ kind: "edit", user: null })}>{t("users.add")}</Button><CsvLink path="/users" /></div>
+        <span className="bar-end"><CsvLink path="/users" /><Button kind="primary" icon="plus" onClick={() => setOpen({ kind: "edit", user: null })}>{t("users.add")}</Button></span></div>
       <ErrorNote error={error} />
       <Panel className="flush">
         <table className="table">

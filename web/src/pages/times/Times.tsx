@@ -56,8 +56,8 @@ export function Times() {
       <div className="page-bar"><h1>{t("nav.times")}</h1>
         <Tabs label={t("times.period")} value={period} onChange={(value) => swap(to(chosen, { period: value }))}
           options={periods.map((value) => ({ value, text: t(`times.${value}`) }))} />
-        {setter && <Button icon="edit" data-action="shifts" onClick={() => setSettings(true)}>{t("times.settings")}</Button>}
-        <CsvLink path={`/oee${query(span)}`} /></div>
+        <span className="bar-end">{setter && <Button icon="edit" data-action="shifts" onClick={() => setSettings(true)}>{t("times.settings")}</Button>}
+          <CsvLink path={`/oee${query(span)}`} /></span></div>
       {settings && <ShiftsDialog onClose={() => setSettings(false)} onChanged={() => { reload(); reloadPieces(); }} />}
       <ErrorNote error={error} />
       <Panel className="flush">
