@@ -28,7 +28,7 @@ std::int64_t ns_between(const timespec& from, const timespec& to) {
 }
 
 /// Says once, in words, how good the clock of this machine is: a degraded one must be visible.
-void ask_for_real_time() {
+bool ask_for_real_time() {
   sched_param param{};
   param.sched_priority = kPriority;
   const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
@@ -37,6 +37,7 @@ void ask_for_real_time() {
                  std::strerror(refused));
   }
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) spdlog::warn("memory could not be locked: {}", std::strerror(errno));
+  return refused == 0;
 }
 
 }  // namespace
@@ -51,22 +52,28 @@ MachineClock::MachineClock(operation::Controller& controller, Clock clock) : con
 }
 
 MachineClock::~MachineClock() {
+  stop();
+}
+
+void MachineClock::stop() {
   periods_.request_stop();
   look_ahead_.request_stop();
-  periods_.join();
+  if (periods_.joinable()) periods_.join();
   if (look_ahead_.joinable()) look_ahead_.join();
 }
 
 void MachineClock::run_real_time(const std::stop_token& stop) {
-  ask_for_real_time();
+  real_time_ = ask_for_real_time();
   const long period_ns = controller_.machine().period_us * 1000L;
   timespec due{};
   clock_gettime(CLOCK_MONOTONIC, &due);
   while (!stop.stop_requested()) {
     due = after(due, period_ns);
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
-    controller_.step();
     timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    lateness_.add(ns_between(due, now));
+    controller_.step();
     clock_gettime(CLOCK_MONOTONIC, &now);
     const std::int64_t late = ns_between(due, now) / period_ns;
     if (late > 0) {

@@ -2,9 +2,11 @@
 // machines there is also a clock that runs as fast as the computer can while the axes move.
 #pragma once
 
+#include <atomic>
 #include <string>
 #include <thread>
 
+#include "agent/lateness.hpp"
 #include "operation/controller.hpp"
 
 namespace headstock::agent {
@@ -22,12 +24,21 @@ class MachineClock {
   MachineClock(const MachineClock&) = delete;
   MachineClock& operator=(const MachineClock&) = delete;
 
+  /// Ends the threads. Afterwards lateness() may be read.
+  void stop();
+  /// How late the periods began. Precondition: stop() has returned.
+  const Lateness& lateness() const { return lateness_; }
+  /// Real-time scheduling was permitted.
+  bool real_time() const { return real_time_; }
+
  private:
   void run_real_time(const std::stop_token& stop);
   void run_look_ahead(const std::stop_token& stop);
   void run_fast(const std::stop_token& stop);
 
   operation::Controller& controller_;
+  Lateness lateness_;  // real-time thread
+  std::atomic<bool> real_time_{false};
   std::jthread look_ahead_, periods_;
 };
 

@@ -175,7 +175,7 @@ bool Executor::take_targets(std::uint32_t& moved) {
     }
     axis.position = by ? axis.position + value : axis.rolls_over ? rolled(axis, value) : value;
     if (axis.position > most || axis.position < -most)
-      return alarm(AlarmReason::position_overflow, word.column,
+      return alarm(pipeline.side() != 0 ? AlarmReason::compensated_overflow : AlarmReason::position_overflow, word.column,
                    std::string(1, static_cast<char>('A' + letter)));
     moved |= 1u << index;
   }

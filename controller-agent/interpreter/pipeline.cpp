@@ -76,24 +76,7 @@ void Pipeline::close_line(const AxisVector& end_machine, const AxisVector& end_w
   position_ = end_machine;
 }
 
-// Two lines that are nearly parallel cross where no word could lead.
-bool Pipeline::too_far(const Executor& ex, const Motion& motion) {
-  for (std::size_t i = 0; i < ex.axes.size(); ++i) {
-    const double most = static_cast<double>(ex.dialect.numbers.most_increments) *
-                        static_cast<double>(ex.axes[i].increment) / 1e9 * ex.axes[i].mm_per_unit;
-    if (!(std::fabs(motion.end_machine[i]) <= most)) return true;
-  }
-  return false;
-}
-
 void Pipeline::send(Executor& ex, Operation&& op) {
-  if (const Motion* motion = on_ || stopped_ ? motion_in(op) : nullptr; motion != nullptr) {
-    if (stopped_) return;  // nothing moves behind an alarm
-    if (too_far(ex, *motion)) {
-      stopped_ = ex.finished = true;
-      op = Alarm{motion->at, std::string(ex.dialect.alarm_code(AlarmReason::compensated_overflow)), {}};
-    }
-  }
   if (!ex.out_used) {
     ex.out_used = true;
     *ex.out = std::move(op);

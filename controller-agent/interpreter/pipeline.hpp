@@ -148,7 +148,6 @@ class Pipeline {
   const Settings& settings(const Executor& ex) const;
 
   void send(Executor& ex, Operation&& op);
-  static bool too_far(const Executor& ex, const Motion& motion);
   void raise(Executor& ex, dialects::AlarmReason reason, const SourcePosition& at, std::uint32_t column,
              std::string detail);
 

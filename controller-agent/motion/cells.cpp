@@ -79,6 +79,8 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
   cell.feed = kAny;
   for (const FeedSection& section : sections_) {
     cell.feed = std::min(cell.feed, section.speed);
+    speed = std::min(speed, section.highest);
+    if (section.end >= from && section.end <= to) speed = std::min(speed, section.corner);
     rapid_only = rapid_only && section.kind == FeedKind::rapid;
     if (section.end >= to) break;
   }

@@ -17,6 +17,7 @@
 #include <atomic>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -102,6 +103,8 @@ struct FeedSection {
   FeedKind kind = FeedKind::feed;
   double speed = 0;  ///< at override 1 [mm/s]; infinite for rapid and thread
   double reference_rpm = 0;
+  double highest = std::numeric_limits<double>::infinity();  ///< at any override [mm/s]
+  double corner = std::numeric_limits<double>::infinity();   ///< the same at `end`
 };
 
 /// A cell before it is final.

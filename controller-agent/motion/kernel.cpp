@@ -96,6 +96,10 @@ struct Kernel::Impl {
       piece.end = path_length;
       piece.tolerance = move.tolerance_mm;
       section.end = path_length;
+      if (section.kind != FeedKind::thread) {
+        if (move.highest_mm_s > 0) section.highest = move.highest_mm_s;
+        if (move.corner_mm_s > 0) section.corner = move.corner_mm_s;
+      }
       info.thread.begin = piece.begin;
       info.thread.end = piece.end;
       maker.add_section(section);

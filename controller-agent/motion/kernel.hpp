@@ -59,6 +59,8 @@ struct Move {
   double tolerance_mm = 0.01;  ///< how far the corner at the end may be rounded; 0 is an exact stop
   bool block_end = true;       ///< the program's block ends with this move: single block may stop here
   bool skip = false;           ///< the skip signal ends this move (G31); give it an exact stop
+  double highest_mm_s = 0;     ///< along the path, at any override; 0: only what the axes can do. Not for threads
+  double corner_mm_s = 0;      ///< where it meets the next move, at any override; 0: only what the axes can do
   bool free_path = false;      ///< non-interpolated positioning: how the axes get there is not programmed
 };
 

@@ -346,7 +346,7 @@ CommandResult Controller::Impl::start_run(Selection& chosen, const interp::Resta
   else
     restarting.source = std::move(text);
   realtime.rapid_f0 = rapid_f0();
-  feed.set_rules({dry_run, data.parameter("1410", FeedRules{}.dry_run_mm_min)});
+  feed.set_rules({dry_run, data.parameter("1410", FeedRules{}.dry_run_mm_min), SpeedLimits::read(machine, data)});
   clear_alarms(true);
   message.clear();
   await = Await::nothing;

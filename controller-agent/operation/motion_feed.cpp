@@ -203,6 +203,7 @@ std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operati
       move.exact_stop = true;  // a rounded corner must not bulge past the limit
     }
     if (path_length(position_, move) <= kNoMove_mm) continue;
+    limit_speed(move, !rapid);
     if (tag == 0) {
       if (held_back_) {
         if (rapid) held_back_->exact_stop = true;
@@ -238,6 +239,20 @@ std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operati
     held_back_ = move;
   }
   return overtravel;
+}
+
+void MotionFeed::limit_speed(motion::Move& move, bool cutting) {
+  if (!cutting) return;
+  const auto curve = motion::Curve::from(position_, move, machine_.axes.size());
+  move.highest_mm_s = rules_.speeds.along(curve, move, look_ahead_);
+  if (!look_ahead_ || !held_back_ || std::holds_alternative<motion::RapidFeed>(held_back_->feed)) return;
+  const auto before = motion::Curve::from(held_start_, *held_back_, machine_.axes.size());
+  held_back_->corner_mm_s = rules_.speeds.between(before, curve);
+  // The speed of a block is the smaller one of its two ends (0i-D L21827).
+  const double segment = rules_.speeds.segments(before, curve);
+  if (segment <= 0) return;
+  for (motion::Move* each : {&*held_back_, &move})
+    each->highest_mm_s = each->highest_mm_s > 0 ? std::min(each->highest_mm_s, segment) : segment;
 }
 
 std::uint64_t MotionFeed::add_tag(const interp::Motion& motion, std::uint64_t main_offset) {

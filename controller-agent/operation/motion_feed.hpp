@@ -11,6 +11,7 @@
 #include "machine/machine.hpp"
 #include "motion/kernel.hpp"
 #include "operation/retrace.hpp"
+#include "operation/speed_limits.hpp"
 #include "operation/tag_ring.hpp"
 
 namespace headstock::operation {
@@ -19,6 +20,7 @@ namespace headstock::operation {
 struct FeedRules {
   bool dry_run = false;
   double dry_run_mm_min = 1'000;  ///< FANUC No. 1410
+  SpeedLimits speeds;
 };
 
 /// Is it one of Rapid, Feed, Arc, Thread?
@@ -36,7 +38,12 @@ class MotionFeed {
 
   /// The axes stand here and nothing is queued.
   void set_position(const AxisVector& position);
-  void set_rules(const FeedRules& rules) { rules_ = rules; }
+  void set_rules(const FeedRules& rules) {
+    rules_ = rules;
+    look_ahead_ = false;
+  }
+  /// G08, G05.1: what follows is under look-ahead control, or not.
+  void set_look_ahead(bool on) { look_ahead_ = on; }
 
   /// Room for one more move? `traced`: tag being traced.
   bool has_room(std::uint64_t traced) const {
@@ -72,6 +79,9 @@ class MotionFeed {
   const AxisVector& position() const { return position_; }
 
  private:
+  /// Limits the held-back move and this one by the parameters of the controller.
+  void limit_speed(motion::Move& move, bool cutting);
+
   const machine::Machine& machine_;
   motion::Kernel& kernel_;
   TagRing& tags_;
@@ -83,6 +93,7 @@ class MotionFeed {
   std::optional<motion::Move> held_back_;
   std::function<void(const motion::Move&)> observer_;
   AxisVector held_start_{};
+  bool look_ahead_ = false;
   Retrace* history_ = nullptr;
   interp::SourcePosition held_block_;  // of held_back_
 };

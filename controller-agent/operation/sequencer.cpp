@@ -219,6 +219,8 @@ void Controller::Impl::take(const interp::Operation& taken) {
     post(Await::function, interlude);
   } else if (const auto* polygon = std::get_if<interp::PolygonTurning>(&taken)) {
     take_polygon(*polygon);
+  } else if (const auto* contour = std::get_if<interp::ContourMode>(&taken)) {
+    feed.set_look_ahead(contour->on);
   } else if (const auto* check = std::get_if<interp::StrokeCheck>(&taken)) {
     zone.reset();
     if (check->on && check->axes != 0)
