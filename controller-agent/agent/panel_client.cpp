@@ -24,7 +24,7 @@ namespace {
 
 using nlohmann::json;
 
-enum class Takes { nothing, percent, on_off, number, mode, name, file, axis, axis_distance, axis_seconds, distance, text, axes };
+enum class Takes { nothing, percent, on_off, number, mode, name, file, axis, axis_distance, axis_seconds, distance, text, axes, place };
 struct Verb {
   std::string_view word;
   std::string_view action;
@@ -61,6 +61,10 @@ constexpr Verb kVerbs[] = {
     {"reference", "reference", Takes::axis, "X: to its reference point"},
     {"retrace", "retrace", Takes::distance, "back12.5 or on12.5: along the path of a held program (handle mode)"},
     {"mdi", "mdi", Takes::text, "\"G00 X10.\": the block that start carries out once"},
+    {"restart", "restart", Takes::place,
+     "N100, N100/3 (third time), B57 (block) or broken (where the last run ended): stops there without motion, "
+     "status says what start needs"},
+    {"interruption", "interruption", Takes::on_off, "the interruption signal of M96"},
     {"tap-retract", "tap_retract", Takes::nothing, "pulls a tap out that was stopped in its hole"},
     {"required", "set_parts_required", Takes::number, "parts required"},
     {"value", "get_value", Takes::name, "show an offset, parameter or variable: tool/3/wear/X"},
@@ -116,6 +120,18 @@ bool add_argument(const Verb& verb, const std::string& word, json& request) {
     case Takes::text:
       request["block"] = word;
       return true;
+    case Takes::place: {
+      if (word == "broken") return true;
+      const auto slash = word.find('/');
+      const auto value = word.empty() ? std::nullopt : number(word.substr(1, slash == std::string::npos ? slash : slash - 1));
+      if (!value || (word[0] != 'N' && word[0] != 'B')) return false;
+      request[word[0] == 'N' ? "sequence" : "block"] = *value;
+      if (slash == std::string::npos) return true;
+      const auto times = number(word.substr(slash + 1));
+      if (!times || word[0] != 'N') return false;
+      request["occurrence"] = *times;
+      return true;
+    }
     case Takes::distance: {
       const bool back = word.starts_with("back");
       if (!back && !word.starts_with("on")) return false;

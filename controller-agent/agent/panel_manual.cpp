@@ -79,6 +79,25 @@ struct PanelManual::Impl {
     return block.empty() ? CommandResult{false, "bad_value"} : controller.enter_mdi(block + "\n");
   }
 
+  /// Without a place: where the last run was broken off.
+  CommandResult restart(const json& request) {
+    const auto whole = [&](const char* key) {
+      const auto value = number(request, key);
+      return value && *value >= 0 && *value < 4e9 ? static_cast<std::uint32_t>(*value) : 0u;
+    };
+    if (!request.contains("block") && !request.contains("sequence")) return controller.restart(std::nullopt);
+    interp::RestartPoint point;
+    point.block = whole("block");
+    point.sequence = whole("sequence");
+    if (request.contains("occurrence")) point.occurrence = whole("occurrence");
+    return controller.restart(point);
+  }
+
+  CommandResult interruption(const json& request) {
+    controller.set_interruption_signal(number(request, "value").value_or(0) != 0);
+    return {true, {}};
+  }
+
   CommandResult retrace(const json& request) {
     const auto way = number(request, "distance");
     return way ? controller.retrace(*way) : CommandResult{false, "bad_value"};
@@ -112,7 +131,8 @@ std::optional<CommandResult> PanelManual::carry_out(const std::string& verb, con
   };
   static constexpr Verb verbs[] = {
       {"jog", &Impl::jog}, {"step", &Impl::step},       {"reference", &Impl::reference},
-      {"mdi", &Impl::mdi}, {"retrace", &Impl::retrace}, {"axis_lock", &Impl::axis_lock}};
+      {"mdi", &Impl::mdi}, {"retrace", &Impl::retrace}, {"axis_lock", &Impl::axis_lock},
+      {"restart", &Impl::restart}, {"interruption", &Impl::interruption}};
   for (const Verb& each : verbs)
     if (each.word == verb) return (impl_.get()->*each.act)(request);
   return std::nullopt;

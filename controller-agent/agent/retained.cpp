@@ -29,6 +29,12 @@ json parsed(const link::Spool& spool, const char* key) {
   return value;
 }
 
+json breakpoint_json(const operation::Breakpoint& at) {
+  if (at.program.empty()) return nullptr;
+  return {{"program", at.program}, {"sha256", at.revision_hash}, {"block", at.block}, {"sequence", at.sequence},
+          {"line", at.line}};
+}
+
 /// Rows behind the last one with anything in it need not be kept.
 void drop_empty_rows(std::vector<interp::ToolOffset>& tools) {
   const auto empty = [](const interp::ToolOffset& tool) {
@@ -50,8 +56,9 @@ link::RetainedValue counters_value(const operation::Retained& r) {
                       {"feed_override", r.feed_override},
                       {"rapid_override", r.rapid_override},
                       {"spindle_override", r.spindle_override},
-                      {"run_open", r.run_open}};
-  return {kCounters, value.dump()};
+                      {"run_open", r.run_open},
+                      {"breakpoint", breakpoint_json(r.breakpoint)}};
+  return {kCounters, value.dump(-1, ' ', false, json::error_handler_t::replace)};
 }
 
 operation::Retained read_counters(const link::Spool& spool) {
@@ -67,6 +74,13 @@ operation::Retained read_counters(const link::Spool& spool) {
   r.rapid_override = value.value("rapid_override", r.rapid_override);
   r.spindle_override = value.value("spindle_override", r.spindle_override);
   r.run_open = value.value("run_open", false);
+  if (const auto found = value.find("breakpoint"); found != value.end() && found->is_object()) {
+    r.breakpoint.program = found->value("program", "");
+    r.breakpoint.revision_hash = found->value("sha256", "");
+    r.breakpoint.block = found->value("block", 0u);
+    r.breakpoint.sequence = found->value("sequence", 0u);
+    r.breakpoint.line = found->value("line", 0u);
+  }
   return r;
 }
 

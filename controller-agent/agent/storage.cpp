@@ -13,10 +13,13 @@ namespace {
 
 using namespace std::chrono_literals;
 constexpr auto kRetry = 500ms;
+// While a program runs its block is written so often: what a power loss costs at most in blocks cut again.
+constexpr auto kBreakpointEvery = 2s;
 
 bool same_settings(const operation::Retained& a, const operation::Retained& b) {
   return a.parts == b.parts && a.parts_required == b.parts_required && a.feed_override == b.feed_override &&
-         a.rapid_override == b.rapid_override && a.spindle_override == b.spindle_override;
+         a.rapid_override == b.rapid_override && a.spindle_override == b.spindle_override &&
+         a.breakpoint == b.breakpoint;
 }
 
 }  // namespace
@@ -45,7 +48,7 @@ void Storage::run(const std::stop_token& stop) {
     }
     if (last_look) return;
     std::unique_lock lock(mutex_);
-    woken_.wait(lock, stop, [this] { return something_; });
+    (void)woken_.wait_for(lock, stop, kBreakpointEvery, [this] { return something_; });
     something_ = false;
   }
 }

@@ -229,6 +229,15 @@ enum class AlarmReason : std::uint8_t {
   drawing_polar,              ///< G12.1/G13.1 there
   drawing_mirror,             ///< a mirror image there
   drawing_plane,              ///< another plane there
+  // ---- ranges and places that only some controls print a number for
+  arc_r_too_large,      ///< as value_range
+  surface_speed_zero,   ///< S0 under G96: as value_range
+  computed_number,      ///< O or N by a variable: as program_number
+  call_p_value,         ///< M98 P negative or not whole: as call_count
+  number_place,         ///< O or N behind a macro statement: as expression
+  offset_name,          ///< [#_OFS…] of another kind of offset memory: as macro_no_name
+  transform_overflow,   ///< scaling, rotation or a cylinder leads too far: as position_overflow
+  compensated_overflow, ///< a crossing of compensation lies too far away: as position_overflow
   // ---- finer reasons of offsets, compensation and corners (see dialect.cpp for those that share a number)
   measure_no_length,       ///< G36/G37: the axis takes no length offset: as measure_axis
   offset_value,            ///< an offset larger than the control takes: as offset_number

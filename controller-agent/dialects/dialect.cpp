@@ -91,6 +91,14 @@ constexpr std::pair<R, R> kFinerReasons[] = {
     {R::too_many_words, R::too_many_m},
     {R::macro_word_unknown, R::macro_syntax},
     {R::call_in_hole_cycle, R::macro_with_words},
+    {R::arc_r_too_large, R::value_range},
+    {R::surface_speed_zero, R::value_range},
+    {R::computed_number, R::program_number},
+    {R::call_p_value, R::call_count},
+    {R::number_place, R::expression},
+    {R::offset_name, R::macro_no_name},
+    {R::transform_overflow, R::position_overflow},
+    {R::compensated_overflow, R::position_overflow},
 };
 
 // "G54.1" → 541.

@@ -139,6 +139,7 @@ struct ArcRules {
   bool feed_on_arc = false;                      ///< F of a helix counts along the arc, not along the path
   std::string_view feed_on_path_parameter = {};  ///< bit: along the path after all
   bool closed_by_r_is_alarm = false;             ///< start = end with R: an alarm instead of no motion
+  double largest_r = 1e9;                        ///< of an R word [mm, inch]
 };
 
 struct ThreadRules {

@@ -121,6 +121,8 @@ struct ModeRules {
   std::string_view auxiliary_decimal_parameter;  ///< bit: with decimal point and sign
   std::string_view auxiliary_inch_parameter;     ///< bit: ten times the factor under inch input
 
+  std::string_view mirror_setting_parameter;  ///< bit an axis: motions of programs go the other way
+
   // ---- supervision
   std::string_view stroke_2_most, stroke_2_least;  ///< limits an axis, "1322" and "1323"
   std::string_view stroke_2_outside_parameter;     ///< bit: the outside is forbidden
@@ -130,7 +132,8 @@ struct ModeRules {
 
   // ---- data input
   bool parameter_input = false;                        ///< G10 L50 and L52 exist
-  double largest_offset = 1e9;                         ///< of G10's values [mm, inch]
+  double largest_offset = 1e9;                         ///< of G10's values, and of an offset taken up [mm, inch]
+  bool surface_speed_zero_refused = false;             ///< G96 S0 and below
   std::span<const ParameterRange> axis_parameters;     ///< take P: one value an axis
   std::span<const ParameterRange> spindle_parameters;  ///< may take P
 };

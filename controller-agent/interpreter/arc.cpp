@@ -95,6 +95,8 @@ bool Executor::arc(Turn turn) {
       return alarm(AlarmReason::arc_r_and_center, word.column, "R");
     const double wanted = length_mm(word) * (transform.active() ? transform.radius_factor(first, second) : 1);
     if (wanted == 0) return alarm(AlarmReason::arc_no_center, word.column, "R");
+    if (std::fabs(word.value()) > dialect.arcs.largest_r)
+      return alarm(AlarmReason::arc_r_too_large, word.column, "R");
     if (wanted < 0 && !dialect.arcs.negative_r) return alarm(AlarmReason::arc_negative_r, word.column, "R");
     const double chord = distance(from, to);
     if (chord == 0) {  // 0°: nothing moves in the plane (0i-D 4.3)

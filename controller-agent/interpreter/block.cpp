@@ -390,7 +390,7 @@ bool Executor::run_program_flow() {
         std::int64_t p = frames.back().number;  // M98 Q: in this program
         if (from_sequence < 0 || block.has('P')) {
           if (!block.has('P')) return alarm(AlarmReason::call_without_p, column, "M98");
-          p = whole('P', AlarmReason::call_count);
+          p = whole('P', AlarmReason::call_p_value);
           if (p < 0) return false;
         }
         std::int64_t times = p > 9'999 ? p / 10'000 : 1;

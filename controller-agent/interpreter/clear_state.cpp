@@ -39,7 +39,7 @@ void Executor::clear_modes() {
     const auto back = [keep](std::uint8_t group) { return group == 0 || (keep & bit_of(group)) == 0; };
     if (back(rules.rotation_group)) transform.rotated = transform.spatial = false;
     if (back(rules.scaling_group)) transform.scaled = 0;
-    if (back(rules.mirror_group)) transform.mirrored = 0;
+    if (back(rules.mirror_group)) transform.mirrored = mirror_setting.axes;
     polar.on = polar.on && !back(rules.polar_group);
     power_on(keep);
   } else if (rules.work_group != 0 && data.bit(rules.reset_work_parameter)) {

@@ -155,9 +155,13 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   if (own) own->start(*this);
   update_zeros();
   set_position(machine_position);
+  take_mirror_setting();
 }
 
 Pull Executor::next(Operation& wanted) {
+  if (restarting) {
+    if (const Pull reached = run_through(); reached != Pull::operation && reached != Pull::finished) return reached;
+  }
   out = &wanted;
   out_used = false;
   if (macros != nullptr && macros->common_version != data.version) load_variables();

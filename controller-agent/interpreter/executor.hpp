@@ -24,6 +24,7 @@
 #include "interpreter/look_ahead.hpp"
 #include "interpreter/machine_data.hpp"
 #include "interpreter/macro_state.hpp"
+#include "interpreter/mirror_setting.hpp"
 #include "interpreter/normal_direction.hpp"
 #include "interpreter/own_language.hpp"
 #include "interpreter/pipeline.hpp"
@@ -238,6 +239,7 @@ struct Executor {
   /// Takes the block's axis words as targets into `axes[].position`. @return false after an alarm; `moved`
   /// gets the axes.
   bool take_targets(std::uint32_t& moved);
+  bool transformed_in_range(std::uint32_t moved);
   bool settle_both_forms(std::uint32_t mask);
   std::optional<std::size_t> axis_named(char name) const;
   double slide_mm(std::size_t axis) const { return work_now[axis] * axes[axis].mm_per_unit; }
@@ -262,6 +264,8 @@ struct Executor {
   bool axes_at_once(std::uint32_t moved);
   /// After `transform` changed: written positions follow from where the axes stand.
   void follow_transform();
+  void take_mirror_setting();
+  void keep_mirror_place(std::size_t axis);
   // ---- G07.1 and G12.1 (surface.cpp)
   void enter_surface(const Surface& wanted, double unit_in_mm);
   void leave_surface();
@@ -395,6 +399,7 @@ struct Executor {
   std::array<std::int8_t, kMaxAxes> given_roles{};  ///< 1 2 3; 0: none of them
   CuttingMode cutting_mode = CuttingMode::cutting;  ///< G61…G64
   Transform transform;
+  MirrorSetting mirror_setting;
   PolarCommand polar;
   SkipState skip;
   DataInputMode data_input;

@@ -78,6 +78,8 @@ bool Executor::take_spindle() {
   }
   // m/min, or feet/min under G20.
   if (constant_surface_speed) {
+    if (value <= 0 && dialect.modes.surface_speed_zero_refused)
+      return alarm(AlarmReason::surface_speed_zero, word.column, "S0");
     surface_speed = value * (modal.inch ? 0.3048 : 1);
   } else {
     rpm = value;

@@ -32,8 +32,9 @@ AlarmReason reason_of(program::LexError error) {
       return AlarmReason::too_many_words;
     case LexError::mixed_statement:
       return AlarmReason::macro_with_words;
-    case LexError::sequence_format:
     case LexError::computed_number:
+      return AlarmReason::computed_number;
+    case LexError::sequence_format:
       return AlarmReason::program_number;
     case LexError::expression:
     case LexError::none:
@@ -287,7 +288,8 @@ bool Executor::end_of_text(bool record_end) {
   }
   if (own && !own->end_of_text(*this, frame)) return false;
   if (!record_end) at.line = frame.reader->line_number();
-  if (!switches.lenient && dialect.end_of_text == dialects::EndOfText::alarm) {
+  const bool typed = switches.origin == ProgramOrigin::mdi && frames.size() == 1;  // MDI: over with its last block
+  if (!switches.lenient && !typed && dialect.end_of_text == dialects::EndOfText::alarm) {
     return alarm(AlarmReason::end_of_record, 0);
   }
   if (frames.size() > 1) {

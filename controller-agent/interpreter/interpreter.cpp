@@ -20,6 +20,7 @@ void Interpreter::on_data_change(DataChanged callback) {
 }
 void Interpreter::data_edited() {
   executor_->update_zeros();
+  executor_->take_mirror_setting();
 }
 void Interpreter::set_environment(macro::Environment* environment) {
   executor_->environment = environment != nullptr ? environment : &executor_->offline;
@@ -37,6 +38,9 @@ Interpreter::InterruptionSignal Interpreter::interruption_signal() const {
   const bool inside =
       rules.inside_parameter.empty() ? !data.bit(rules.between_parameter) : data.bit(rules.inside_parameter);
   return {inside, data.bit(rules.level_parameter)};
+}
+bool Interpreter::interruption_left_block() const {
+  return executor_->interruption.left_block;
 }
 bool Interpreter::interruption_only_looks() const {
   return executor_->interrupting() && !executor_->interruption.acted;

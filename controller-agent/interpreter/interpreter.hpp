@@ -100,8 +100,8 @@ class Interpreter {
   void start(std::unique_ptr<program::Source> main, const AxisVector& machine_position);
 
   /// Starts a main program at a block in its middle: the part before it is run through without anything being
-  /// handed out, and what it would write to offsets and kept variables is not written again. To be called
-  /// until it returns something else than `wait`.
+  /// handed out, and what it would write to offsets and kept variables is not written again. After `wait` and
+  /// `pause` it is gone on with by run_through().
   /// @return operation: the block is reached, next() begins with it; finished: there is no such block, the alarm
   /// comes with next(). Nothing has moved: the way to `restart_state().position` is the caller's.
   Pull restart(std::unique_ptr<program::Source> main, const AxisVector& machine_position,
@@ -127,6 +127,9 @@ class Interpreter {
   /// An interruption program runs that has commanded nothing yet: whoever broke into a block keeps the rest of it.
   /// When the program returns so, the block goes on from where it was (0i-D 14.9.3, type I).
   bool interruption_only_looks() const;
+  /// The interruption program has returned without commanding anything: the block it broke into goes on. True
+  /// until the next one.
+  bool interruption_left_block() const;
   /// How the control's parameters say the signal is taken.
   struct InterruptionSignal {
     bool inside_blocks = false;  ///< at once; otherwise when the block is over

@@ -42,6 +42,7 @@ bool Executor::interrupt(const AxisVector& machine_position, bool inside_block) 
     return true;
   };
   if (cycle.running != nullptr || cycle.watch != nullptr) return refuse(AlarmReason::interrupted_cycle);
+  interruption.left_block = false;
   interruption.place_before = machine_now;
   interruption.inside = inside_block;
   set_position(machine_position);
@@ -66,6 +67,7 @@ bool Executor::interrupt(const AxisVector& machine_position, bool inside_block) 
 }
 
 void Executor::end_interruption(const InterruptedState& before, bool keep_modal) {
+  interruption.left_block = !interruption.acted;
   if (!interruption.acted) {
     set_position(interruption.place_before);  // the block it broke into goes on
   } else if (dialect.interruption.repeats_block && interruption.inside) {

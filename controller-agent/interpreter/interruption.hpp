@@ -16,6 +16,7 @@ struct Interruption {
   bool enabled = false;
   bool inside = false;        ///< the signal came inside a block
   bool acted = false;         ///< the program that runs has commanded something: the block it broke into is over
+  bool left_block = false;    ///< the last program has returned without commanding anything
   BlockPlace block;           ///< begun last, while interruptions are enabled
   AxisVector place_before{};  ///< machine position the broken block leads to
 };

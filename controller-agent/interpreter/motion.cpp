@@ -113,6 +113,7 @@ void Executor::update_zero(std::size_t i) {
   axis.zero_work = page_to_slide(i, work[i]);
   modal.work_zero[i] =
       axis.zero_external + axis.zero_work + axis.zero_shift + axis.zero_local + axis.zero_tool;
+  keep_mirror_place(i);
   set_axis_machine(i, machine_now[i]);
 }
 
@@ -174,9 +175,21 @@ bool Executor::take_targets(std::uint32_t& moved) {
     }
     axis.position = by ? axis.position + value : axis.rolls_over ? rolled(axis, value) : value;
     if (axis.position > most || axis.position < -most)
-      return alarm(AlarmReason::position_overflow, word.column,
+      return alarm(pipeline.side() != 0 ? AlarmReason::compensated_overflow : AlarmReason::position_overflow, word.column,
                    std::string(1, static_cast<char>('A' + letter)));
     moved |= 1u << index;
+  }
+  return !transform.active() || transformed_in_range(moved);
+}
+
+// Scaling and rotation may lead where no word could.
+bool Executor::transformed_in_range(std::uint32_t moved) {
+  const AxisVector target = targets_mm();
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const double most = static_cast<double>(dialect.numbers.most_increments) *
+                        static_cast<double>(axes[i].increment) / 1e9 * axes[i].mm_per_unit;
+    if ((moved >> i & 1u) != 0 && std::fabs(target[i]) > most)
+      return alarm(AlarmReason::transform_overflow, code_column, std::string(1, axes[i].name));
   }
   return true;
 }

@@ -37,6 +37,7 @@ Pull Executor::run_through() {
   while (restarting) {
     out = &thrown;
     out_used = false;
+    at_standstill = true;  // nothing is handed out, so nothing is waited for
     if (cycle.running != nullptr) {
       if (!cycle.running->next(*this)) {
         cycle.running.reset();
@@ -58,7 +59,10 @@ Pull Executor::run_through() {
       leave_program();
       return Pull::finished;
     }
-    if (!finished && !restart_run.reached) continue;
+    if (!finished && !restart_run.reached) {
+      if (steps % 1'024 == 0 && environment->wants_pause()) return Pull::pause;
+      continue;
+    }
 
     restarting = false;
     restart_run.state.position = machine_now;
@@ -67,8 +71,16 @@ Pull Executor::run_through() {
     keep_data_of_broken_run();
     barrier = false;
     at_standstill = true;
-    if (!finished) return Pull::operation;
+    // Inside compensation, a chamfer or G12.1 the axes would begin beside the path (0i-D L31700).
+    const bool beside = pipeline.compensating() || pipeline.side() != 0 || pipeline.holds_corner() ||
+                        surface.now.kind != SurfaceKind::none;
+    if (!finished && !beside) return Pull::operation;
     leave_program();
+    if (!finished) {
+      finished = true;
+      queue.emplace_back(Alarm{at, std::string(dialect.alarm_code(AlarmReason::g_not_now)), "restart"});
+      return Pull::finished;
+    }
     if (alarmed) {
       queue.push_back(std::move(thrown));
     } else {

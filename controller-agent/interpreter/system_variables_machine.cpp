@@ -122,7 +122,7 @@ Result write_settings(Executor& ex, const Row&, std::uint32_t, double value) {
 
 Result read_mirror(Executor& ex, const Row&, std::uint32_t, double& value) {
   if (must_stand_still(ex)) return Result::later();
-  value = ex.macros->environment->mirror_image();
+  value = ex.macros->environment->mirror_image() | ex.mirror_setting.axes;
   return {};
 }
 

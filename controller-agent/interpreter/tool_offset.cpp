@@ -50,6 +50,7 @@ void shift(Executor& ex, std::size_t axis, double by) {
 void move(Executor& ex, std::size_t axis, double by) {
   ex.axes[axis].zero_tool += by;
   ex.modal.work_zero[axis] += by;
+  ex.keep_mirror_place(axis);
 }
 
 bool is_arc(const GCode& code) {
@@ -64,6 +65,11 @@ void hold_length(Executor& ex, std::size_t axis) {
   if (by == 0) return;
   move(ex, axis, by);
   ex.pending_axes |= 1u << axis;
+}
+
+// A row and its wear may be in range each and their sum not: such an offset is none.
+bool too_large(const Executor& ex, double page) {
+  return std::fabs(page) > ex.dialect.modes.largest_offset * ex.unit_mm;
 }
 
 // The axis that G43 and G44 mean in this block. -1 after an alarm.
@@ -101,6 +107,7 @@ bool take_h_word(Executor& ex) {
       return ex.alarm(AlarmReason::offset_value, column, "H");
   }
   ex.length_offset = number;
+  if (too_large(ex, length_value(ex, number))) return ex.alarm(AlarmReason::offset_value, column, "H");
   return true;
 }
 
@@ -164,7 +171,8 @@ bool take(Executor& ex, std::int64_t geometry, std::int64_t wear, std::uint32_t 
     const bool counts = counts_on(ex, i);
     const double largest = ex.dialect.modes.largest_offset;
     if ((shape != nullptr && std::fabs(shape->geometry[i]) > largest) ||
-        (worn != nullptr && std::fabs(worn->wear[i]) > largest))
+        (worn != nullptr && std::fabs(worn->wear[i]) > largest) ||
+        (counts && too_large(ex, (shape != nullptr ? shape->geometry[i] : 0) + (worn != nullptr ? worn->wear[i] : 0))))
       return ex.alarm(AlarmReason::offset_value, column, std::string(1, ex.axes[i].name));
     const double g = counts && shape != nullptr ? sign * to_slide(ex, i, shape->geometry[i], false) : 0;
     const double w = counts && worn != nullptr ? sign * to_slide(ex, i, worn->wear[i], true) : 0;

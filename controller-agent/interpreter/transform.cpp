@@ -157,6 +157,8 @@ bool mirror_on(Executor& ex) {
   Transform& t = ex.transform;
   for (std::size_t i = 0; i < ex.axes.size(); ++i) {
     if (!ex.block.has(ex.axes[i].name)) continue;
+    if ((ex.mirror_setting.axes & bit_of(i)) != 0)  // two mirrors on one axis
+      return ex.alarm(AlarmReason::g_not_now, ex.block[ex.axes[i].name].column, std::string(ex.code->name));
     t.mirrored |= bit_of(i);
     t.mirror_at[i] = center_word(ex, i, standing);
   }
@@ -172,10 +174,10 @@ bool mirror_off(Executor& ex) {
   for (std::size_t i = 0; i < ex.axes.size(); ++i) {
     if (ex.block.has(ex.axes[i].name)) named |= bit_of(i);
   }
-  ex.transform.mirrored &= named == 0 ? 0u : ~named;
+  ex.transform.mirrored &= (named == 0 ? 0u : ~named) | ex.mirror_setting.axes;
   ex.follow_transform();
   // Group 22 shows G51.1 as long as one axis is mirrored.
-  if (ex.transform.mirrored != 0) ex.modal.g[ex.code->group] = 511;
+  if ((ex.transform.mirrored & ~ex.mirror_setting.axes) != 0) ex.modal.g[ex.code->group] = 511;
   return true;
 }
 

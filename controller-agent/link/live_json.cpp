@@ -155,6 +155,23 @@ bool action_from_name(const std::string& name, Action& action) {
   return true;
 }
 
+namespace {
+
+json breakpoint_json(const operation::Breakpoint& at) {
+  if (at.program.empty() || at.block == 0) return nullptr;
+  return {{"program", shown(at.program)}, {"block", at.block}, {"sequence", at.sequence}, {"line", at.line}};
+}
+
+json restart_json(const operation::RestartReport& restart, std::size_t axes) {
+  if (!restart.found) return nullptr;
+  return {{"block", restart.block},     {"sequence", restart.sequence},
+          {"m", restart.m},             {"tool", restart.tool},
+          {"offset", restart.offset},   {"spindle", number(restart.spindle)},
+          {"turning", restart.turning}, {"machine_position", positions(restart.position, axes)}};
+}
+
+}  // namespace
+
 json live_to_json(const Live& live, const std::string& program_sha256) {
   const std::size_t axes = live.axes.size();
   json alarms = json::array();
@@ -206,6 +223,8 @@ json live_to_json(const Live& live, const std::string& program_sha256) {
         {"dry_run", live.dry_run},
         {"machine_lock", live.machine_lock}}},
       {"alarms", std::move(alarms)},
+      {"breakpoint", breakpoint_json(live.breakpoint)},
+      {"restart", restart_json(live.restart, axes)},
       {"periods", live.periods},
       {"overruns", live.overruns},
   };

@@ -100,6 +100,7 @@ struct Machine {
   std::string drive = "simulated";          ///< `[drive] type`: simulated, or ideal (follows without any error)
   bool second_auxiliary = false;            ///< B codes are wired to something that acts on them
   bool skip_input = false;                  ///< there is a skip input; without one G31 is an alarm
+  bool interruption_input = false;          ///< there is an interruption signal (UINT); without one M96 is an alarm
   char polygon_axis = 0;                    ///< rotary axis that drives the tool of polygon turning; 0: none
   std::size_t program_memory_bytes = 2u << 20;  ///< what the agent keeps of programs (`[memory] programs_kb`)
 

@@ -334,6 +334,8 @@ void read_machine(Machine& machine, const toml::table& section, const Place& pla
       machine.second_auxiliary = switch_value(node, key, place);
     else if (key == "skip_input")
       machine.skip_input = switch_value(node, key, place);
+    else if (key == "interruption_input")
+      machine.interruption_input = switch_value(node, key, place);
     else if (key == "polygon_axis")
       machine.polygon_axis = letter(node, key, place);
     else if (key != "profile")

@@ -209,7 +209,7 @@ bool Parser::operand(Expression& out) {
 bool Parser::function(Expression& out) {
   const std::string_view name = word();
   Op op = function_named(name);
-  if (op == Op::constant) return fail(Fault::macro_syntax);
+  if (op == Op::constant) return fail(Fault::no_address);  // letters that are no function
   at_ += name.size();
   if (op == Op::adp) {
     if (!open_bracket()) return false;
@@ -254,7 +254,7 @@ bool Parser::system_or_named(Expression& out, Instruction& how, std::string& nam
   if (name.size() > 8) return fail(Fault::macro_name_long, begin);
   if (name.front() == '_') {
     const auto known = system_name(std::string_view(name).substr(1), lathe_);
-    if (!known) return fail(Fault::macro_no_name, begin);
+    if (!known) return fail(name.starts_with("_OFS") ? Fault::offset_name : Fault::macro_no_name, begin);
     how = {.op = known->bit >= 0 ? Op::bit : known->most != 0 ? Op::indexed : Op::variable,
            .from_zero = known->from_zero,
            .step = known->bit >= 0 ? static_cast<std::uint16_t>(known->bit) : known->step,

@@ -5,9 +5,10 @@ namespace headstock::macro {
 namespace {
 
 // A closing bracket too many, or anything else behind a finished statement.
-bool at_end(Parser& parser) {
+bool at_end(Parser& parser, Fault otherwise = Fault::macro_expression) {
   if (parser.ended()) return true;
-  return parser.fail(parser.peek() == ']' ? Fault::macro_open_bracket : Fault::macro_expression);
+  if (parser.peek() == 'O' || parser.peek() == 'N') return parser.fail(Fault::number_place);
+  return parser.fail(parser.peek() == ']' ? Fault::macro_open_bracket : otherwise);
 }
 
 bool assignment(Parser& parser, Statement& out) {
@@ -128,11 +129,11 @@ bool statement(Parser& parser, const Rules& rules, Statement& out) {
   if (rules.printing && parser.take_word("BPRNT")) return print(parser, out, false);
   if (rules.printing && parser.take_word("POPEN")) {
     out.kind = StatementKind::open;
-    return at_end(parser);
+    return at_end(parser, Fault::macro_syntax);
   }
   if (rules.printing && parser.take_word("PCLOS")) {
     out.kind = StatementKind::close;
-    return at_end(parser);
+    return at_end(parser, Fault::macro_syntax);
   }
   if (rules.names && parser.take_word("SETVN")) return set_names(parser, out);
   if (parser.peek() == '#' || parser.peek() == '[') return assignment(parser, out);

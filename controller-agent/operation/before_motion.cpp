@@ -45,6 +45,9 @@ std::optional<MachineAlarm> Controller::Impl::before_motion(const interp::Operat
     if (const auto refused = axis_alarm(machine, i, homed, realtime.state().contour)) return refused;
   }
   if (const auto* tap = std::get_if<interp::Tap>(&taken)) return before_tap(*tap);
+  if (dry_run && !std::holds_alternative<interp::Rapid>(taken) &&
+      !(data.parameter("1410", FeedRules{}.dry_run_mm_min) > 0))
+    return dry_run_alarm();
   const auto* thread = std::get_if<interp::Thread>(&taken);
   const bool check_first = data.bit(kCheckBeforeMove);
   const bool third = has_third_zone();
@@ -164,6 +167,7 @@ bool Controller::Impl::work_park() {
   }
   kernel.set_position(standing);
   feed.set_position(standing);
+  realtime.brake = false;  // of an interruption: what it stopped is gone
   realtime.unpark(standing, 0, marks);
   await = Await::nothing;
   return true;

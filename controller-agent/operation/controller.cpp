@@ -137,6 +137,8 @@ Controller::Impl::Impl(machine::Machine machine_in, interp::MachineData data_in,
   interpreter.set_environment(&macro_environment);
   interpreter.set_switches(switches);
   interpreter.reset(home);
+  mirror_unseen = true;
+  (void)mirror_place_unknown();
   if (std::exchange(retained.run_open, false))
     emit(RunEnded{retained.last_run, "interrupted", std::nan(""), std::nan(""), retained.parts_total, {}});
   interpreter.on_data_change([this](const interp::DataChange& change) {
@@ -261,6 +263,7 @@ CommandResult Controller::Impl::cycle_start(Origin origin) {
   if (phase == Phase::aborting) return refused("resetting");
   if (phase == Phase::manual || (phase == Phase::running && !realtime.hold)) return refused("running");
   if (phase != Phase::idle) return resume();
+  if (mirror_place_unknown()) return refused("mirror_place");
   if (mode == Mode::mdi) {
     if (!mdi_block.memory) return refused("no_program");
     return start_run(mdi_block);
@@ -271,10 +274,23 @@ CommandResult Controller::Impl::cycle_start(Origin origin) {
   return start_run(selection);
 }
 
+/// Mirror image by the setting (0i-D No.0012) holds from where the axis stood when it was switched on. Who has not seen
+/// that must not guess it: the setting has to be taken off and put on again.
+bool Controller::Impl::mirror_place_unknown() {
+  bool on = data.bit("0012#0");
+  for (const machine::Axis& axis : machine.axes) on = on || data.bit(std::string("0012#0/") + axis.name);
+  mirror_unseen = mirror_unseen && on;
+  return mirror_unseen;
+}
+
 /// From feed hold or a stop: the same run goes on.
 CommandResult Controller::Impl::resume() {
   if (mode != run_mode) return refused("wrong_mode");
+  if (restarting.found)
+    if (const CommandResult may = may_go_to_restart(); !may.accepted) return may;
   if (returning || retracing || !hands_done(~plc_axes)) return refused("running");
+  restarting.found = false;
+  restarting.report = {};
   clear_alarms(true);
   anything_moved = false;
   wait_since_period = 0;
@@ -307,7 +323,7 @@ void Controller::Impl::go_on() {
   realtime.hold = false;
 }
 
-CommandResult Controller::Impl::start_run(Selection& chosen) {
+CommandResult Controller::Impl::start_run(Selection& chosen, const interp::RestartPoint* restart_at) {
   if (displaced()) return refused("resetting");  // a displaced program has just ended
   auto source = chosen.is_stream ? std::move(chosen.stream) : chosen.memory->open_name(chosen.name);
   if (!source) return refused(chosen.is_stream ? "no_program" : "not_found");
@@ -323,7 +339,12 @@ CommandResult Controller::Impl::start_run(Selection& chosen) {
   kernel.set_position(standing);
   feed.set_position(standing);
   retrace.forget();
-  interpreter.start(windowed(std::move(source), main_window), feed.position());
+  auto text = windowed(std::move(source), main_window);
+  restarting = {};
+  if (restart_at == nullptr)
+    interpreter.start(std::move(text), feed.position());
+  else
+    restarting.source = std::move(text);
   realtime.rapid_f0 = rapid_f0();
   feed.set_rules({dry_run, data.parameter("1410", FeedRules{}.dry_run_mm_min), SpeedLimits::read(machine, data)});
   clear_alarms(true);
@@ -339,7 +360,7 @@ CommandResult Controller::Impl::start_run(Selection& chosen) {
   run_mode = mode;
   resume_with_go = false;
   realtime.hold = false;
-  realtime.running = true;
+  realtime.running = restart_at == nullptr;
   run_open = true;
   run_record = RunRecord::begin(retained.feed_override, retained.rapid_override, retained.spindle_override);
   emit(RunStarted{++retained.last_run, chosen.name, chosen.revision_hash, retained.parts_total, run_by});
@@ -504,8 +525,18 @@ CommandResult Controller::enter_mdi(std::string text) {
   Access access(impl_->lock, impl_->waiting);
   return impl_->mdi(std::move(text));
 }
+CommandResult Controller::restart(const std::optional<interp::RestartPoint>& point) {
+  Access access(impl_->lock, impl_->waiting);
+  CommandResult result = impl_->restart(point);
+  impl_->state_changed();
+  return result;
+}
 void Controller::set_skip_signals(std::uint16_t signals) noexcept {
   impl_->realtime.skip_signals = signals;
+}
+
+void Controller::set_interruption_signal(bool on) noexcept {
+  impl_->interruption.set_signal(on);
 }
 
 void Controller::on_event(std::function<void()> wake) {
@@ -525,6 +556,7 @@ Live Controller::live() const {
 
 Retained Controller::retained() const {
   Access access(impl_->lock, impl_->waiting);
+  if (impl_->run_open) impl_->mark_breakpoint();
   return impl_->retained;
 }
 
@@ -543,6 +575,8 @@ CommandResult Controller::edit_data(const std::function<void(interp::MachineData
   if (impl_->busy()) return refused("running");
   edit(impl_->data);
   ++impl_->data.version;
+  (void)impl_->mirror_place_unknown();
+  impl_->interpreter.data_edited();
   impl_->emit(OffsetChanged{change, origin});
   return accepted();
 }

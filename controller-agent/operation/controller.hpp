@@ -16,6 +16,7 @@
 #include "interpreter/interpreter.hpp"
 #include "machine/machine.hpp"
 #include "motion/kernel.hpp"
+#include "operation/breakpoint.hpp"
 #include "operation/run_record.hpp"
 #include "plc/auxiliary.hpp"
 
@@ -125,6 +126,8 @@ struct Live {
   bool displaced = false;           ///< a hand has moved the axes away from where the held program is
   bool tap_in_hole = false;         ///< a tap was stopped in its hole: tap_retract pulls it out
   std::uint64_t program_bytes = 0;  ///< length of the selected program; 0 unknown
+  RestartReport restart;            ///< found, and waiting for cycle start
+  Breakpoint breakpoint;            ///< where the last program was when it ended before its end
 };
 
 // ---- what must not be lost: handed to the storage thread, which commits before the controller goes on
@@ -179,6 +182,7 @@ struct Retained {
   std::uint64_t last_run = 0, last_alarm = 0;
   double feed_override = 1, rapid_override = 1, spindle_override = 1;
   bool run_open = false;  ///< a run had begun and its end was not recorded
+  Breakpoint breakpoint;  ///< while a program runs: the block it is at; stays when it does not come to its end
 };
 
 /// What the storage thread takes at once.
@@ -243,6 +247,13 @@ class Controller {
   /// Reference mode: to reference point 1 at rapid rate; an axis without an absolute encoder over its dog to
   /// the zero mark the first time.
   CommandResult reference_return(std::size_t axis);
+  /// Memory mode: the selected program is run through, without anything moving, up to this block; then the
+  /// machine is stopped and Live::restart says what it needs. Cycle start brings the axes there one at a time at
+  /// the dry-run feed (in the order of parameter 7310), and the program goes on. M, S and T that were passed are
+  /// not given again: cycle start is refused while the spindle does not turn, or another tool is in place than
+  /// the program needs there ("restart_spindle", "restart_tool").
+  /// @param point none: at the breakpoint of the last run; refused when another revision is selected.
+  CommandResult restart(const std::optional<interp::RestartPoint>& point);
   /// Handle mode, in a held program: along the path that was traced, < 0 back, > 0 forward, but not beyond
   /// where the program was held [mm, degrees like mm]. Feed hold stops it; cycle start goes forward to the
   /// hold first.
@@ -254,6 +265,8 @@ class Controller {
   /// The skip inputs as they are now (interp::Feed::skip_signals); any thread, takes effect in the next
   /// period.
   void set_skip_signals(std::uint16_t signals) noexcept;
+  /// The interruption signal of M96 (UINT) as it is now; any thread. A pulse is not lost however short.
+  void set_interruption_signal(bool on) noexcept;
   /// The connection is gone: remote arming ends, nothing else.
   void link_lost();
   Live live() const;

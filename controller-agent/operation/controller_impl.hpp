@@ -11,11 +11,13 @@
 #include "axes/forbidden_zone.hpp"
 #include "operation/controller.hpp"
 #include "operation/data_edit.hpp"
+#include "operation/interruption.hpp"
 #include "operation/macro_environment.hpp"
 #include "operation/motion_feed.hpp"
 #include "operation/overtravel_alarm.hpp"
 #include "operation/program_text.hpp"
 #include "operation/realtime.hpp"
+#include "operation/restart.hpp"
 
 namespace headstock::operation {
 
@@ -31,6 +33,8 @@ enum class Await : std::uint8_t {
   block_stop,    ///< single block: the axes stand at the block's end
   program_stop,  ///< M00, M01
   standstill,    ///< a macro looks at the machine
+  search,        ///< restart: the program is run through up to its block
+  interruption,  ///< M96: the block under way is over, or broken into
   alarm,         ///< motion before the alarm's block is complete
   end,           ///< motion before M30 is complete
   commit         ///< the part count is on the disk
@@ -80,8 +84,9 @@ struct Controller::Impl {
   CommandResult release_emergency_stop();
   CommandResult set_mode(double value);
   CommandResult select(Selection selection, Mode mode, Origin origin);
-  CommandResult start_run(Selection& chosen);
+  CommandResult start_run(Selection& chosen, const interp::RestartPoint* restart_at = nullptr);
   CommandResult resume();
+  bool mirror_place_unknown();
   void go_on();
   double rapid_f0() const;
   EditResult edit_values(const EditRequest& request);  // data_edit.cpp
@@ -155,6 +160,20 @@ struct Controller::Impl {
   void skip_over();
   MachineAlarm broken_input() const;
 
+  // ---- restart.cpp: a program taken up in its middle
+  CommandResult restart(std::optional<interp::RestartPoint> point);
+  CommandResult may_go_to_restart();  ///< M, S, T are as the program needs them there
+  void search_restart();
+  void restart_found();
+  bool next_approach();
+  void mark_breakpoint();  ///< while a run is open
+
+  // ---- interruption.cpp: M96
+  bool wait_for_interruption();
+  void work_interruption();
+  void break_in();
+  void run_interruption_in_block();
+
   // ---- report.cpp: alarms, events, live
   void raise(const std::string& code, const std::string& detail, const interp::SourcePosition& at,
              const MachineAlarm& own_text, bool is_message = false);
@@ -192,6 +211,7 @@ struct Controller::Impl {
   bool retracing = false;           // the axes move along what was traced
   bool returning = false;           // to where a hand has taken the axes from
   bool manual_absolute = true;
+  bool mirror_unseen = false;  // the mirror setting was on when this agent began: where it stands is not known
   bool tripped = false;     // a fault has switched the drives off …
   bool trip_reset = false;  // … RESET switches them on, once the measured position is taken over
   bool releasing = false;   // the emergency stop, once the measured position is taken over
@@ -211,6 +231,8 @@ struct Controller::Impl {
   const bool skip_input;
   std::optional<axes::Zone> zone;  // stored stroke check 2, when on
   axes::TapOrder last_tap;
+  MacroInterruption interruption;
+  Restart restarting;
   bool polygon_on = false, polygon_let_go = false;
   Retained retained;
   std::vector<ActiveAlarm> alarms;

@@ -54,6 +54,7 @@ EditResult Controller::Impl::edit_values(const EditRequest& request) {
   }
   ++data.version;
   for (OffsetChanged& change : changes) emit(std::move(change));
+  (void)mirror_place_unknown();  // it may have been switched off
   if (!situation.running) interpreter.data_edited();
   return {true, {}, {}, data.version};
 }
@@ -66,6 +67,7 @@ EditResult Controller::edit_values(const EditRequest& request) {
 Taken Controller::take_events() {
   Access access(impl_->lock, impl_->waiting);
   Taken taken;
+  if (impl_->run_open) impl_->mark_breakpoint();
   taken.retained = impl_->retained;
   taken.retained.run_open = impl_->run_open;
   bool about_data = false;

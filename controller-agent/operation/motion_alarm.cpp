@@ -118,6 +118,10 @@ std::optional<MachineAlarm> tap_alarm(const machine::Machine& machine, std::size
   return std::nullopt;
 }
 
+MachineAlarm dry_run_alarm() {
+  return {"PS5009", "Feed zero (dry run)", "进给速度为零（空运行）"};
+}
+
 MachineAlarm homing_alarm() {
   return {"PS0090", "Reference return incomplete: too fast for the dog", "返回参考点未完成：减速挡块过短"};
 }

@@ -33,6 +33,8 @@ std::optional<MachineAlarm> tap_alarm(const machine::Machine& machine, std::size
                                       double rpm, bool rigid);
 /// Reference return has found no safe zero mark (0i-D PS0090).
 MachineAlarm homing_alarm();
+/// Dry run with a rate (No.1410) of nothing: the axes would stand for ever.
+MachineAlarm dry_run_alarm();
 /// Polygon turning faster than the tool axis turns (0i-D PS5018).
 MachineAlarm polygon_alarm();
 /// A tap along more than one axis.

@@ -225,6 +225,7 @@ std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operati
       entry.no_single_block = control.no_single_block;
       if (const auto* probe = std::get_if<interp::Feed>(&operation); probe && probe->skip_signals != 0) {
         entry.skip_signals = probe->skip_signals;
+        entry.skip_low = !probe->skip_level;
         entry.fixed_feed = !probe->skip_overridable;
       }
       tag = entry.tag;

@@ -332,10 +332,12 @@ motion::Overrides Realtime::overrides() const noexcept {
   now.feed = segment.fixed_feed ? 1 : feed_override.load(std::memory_order_relaxed);
   now.rapid = rapid_override.load(std::memory_order_relaxed);
   if (now.rapid == 0) now.rapid = rapid_f0.load(std::memory_order_relaxed);
-  now.hold = hold.load(std::memory_order_relaxed) && !segment.not_held;
+  now.hold =
+      (hold.load(std::memory_order_relaxed) || brake.load(std::memory_order_relaxed)) && !segment.not_held;
   now.single_block = single_block.load(std::memory_order_relaxed) && !segment.no_single_block;
   now.go = go.load(std::memory_order_relaxed);
-  now.skip_signal = (segment.skip_signals & skip_signals.load(std::memory_order_relaxed)) != 0;
+  const unsigned inputs = skip_signals.load(std::memory_order_relaxed);
+  now.skip_signal = (segment.skip_signals & (segment.skip_low ? ~inputs : inputs)) != 0;
   return now;
 }
 

@@ -94,6 +94,7 @@ class Realtime {
   std::atomic<double> feed_override{1}, rapid_override{1}, spindle_override{1};
   std::atomic<double> rapid_f0{0};   ///< of the rapid rate, at a rapid override of 0 (F0)
   std::atomic<bool> hold{false};     ///< feed hold
+  std::atomic<bool> brake{false};    ///< stops the moves like feed hold; the controller's own, not the operator's
   std::atomic<bool> running{false};  ///< counts run time
   std::atomic<bool> single_block{false};
   std::atomic<std::uint32_t> go{0};            ///< one more: a single-block stop goes on

@@ -157,6 +157,8 @@ Live Controller::Impl::live() {
   live.homed = realtime.homed;
   live.manual_absolute = manual_absolute;
   live.displaced = displaced();
+  live.restart = restarting.report;
+  live.breakpoint = retained.breakpoint;
   live.tap_in_hole = now.tap_in_hole;
   live.coolant = now.machine.coolant || now.machine.mist;
   return live;

@@ -89,12 +89,16 @@ bool Controller::Impl::work() {
     state_changed();
     return true;
   }
+  calculating = false;
   if (await == Await::park) {
     if (!work_park()) return false;
+  } else if (await == Await::interruption) {
+    work_interruption();
+  } else if (await == Await::search) {
+    search_restart();
   } else if (await != Await::nothing && realtime.idle()) {
     interlude_done();
   }
-  calculating = false;
   if (phase == Phase::running && await == Await::nothing) pull_operations();
 
   // Planning can be dear: at most a bounded number of pieces under the lock.
@@ -108,8 +112,9 @@ bool Controller::Impl::work() {
 
 void Controller::Impl::pull_operations() {
   for (int i = 0; i < kOperationsAPiece && await == Await::nothing && phase == Phase::running; ++i) {
-    if (!has_operation) {
+    if (!has_operation && !next_approach()) {
       if (!feed.has_room(realtime.state().sample.tag)) return;
+      if (wait_for_interruption()) return;
       switch (interpreter.next(operation)) {
         case interp::Pull::wait:
           feed.flush();
@@ -130,6 +135,7 @@ void Controller::Impl::pull_operations() {
       wait_since_period = 0;
       brought_to_end = false;
       if (observer) observer(operation);
+      if (!interruption.in_force && wait_for_interruption()) return;
     }
     const interp::SourcePosition& at = position_of(operation);
     if (single_block && !MacroControl(interpreter.macro_control()).no_single_block && last_block.line != 0 &&
@@ -149,11 +155,13 @@ void Controller::Impl::pull_operations() {
 void Controller::Impl::take(const interp::Operation& taken) {
   if (const auto refused = unsupported_alarm(taken, machine, skip_input))
     return stop_with(*refused, position_of(taken), {});
-  if (interpreter.interruption_enabled()) return stop_with(interruption_alarm(), position_of(taken), "M96");
+  if (interpreter.interruption_enabled() && !machine.interruption_input)
+    return stop_with(interruption_alarm(), position_of(taken), "M96");
   if (const auto* tap = std::get_if<interp::Tap>(&taken)) return take_tap(*tap);
   if (is_motion(taken)) {
     if (const auto refused = before_motion(taken)) return stop_with(*refused, position_of(taken), {});
     anything_moved = true;
+    interruption.all_done = false;
     overtravel = feed.add(taken, main_offset);
     if (!overtravel) {
       const auto* probe = std::get_if<interp::Feed>(&taken);
@@ -291,6 +299,8 @@ void Controller::Impl::interlude_done() {
     case Await::dwell:
     case Await::commit:
     case Await::park:
+    case Await::interruption:
+    case Await::search:
       return;
     case Await::tap:
       tap_done();
@@ -365,6 +375,8 @@ void Controller::Impl::end_program() {
 
 void Controller::Impl::finish_run(const char* outcome) {
   if (!std::exchange(run_open, false)) return;
+  mark_breakpoint();
+  if (run_mode == Mode::memory && std::string_view(outcome) == "completed") retained.breakpoint = {};
   const RealtimeState& now = realtime.state();
   emit(RunEnded{retained.last_run, outcome,
                 static_cast<double>(now.run_periods - run_periods_base) * period_s(),
@@ -405,6 +417,9 @@ void Controller::Impl::after_abort() {
   await = Await::nothing;
   parts_due = 0;
   has_operation = false;
+  realtime.brake = false;
+  interruption.forget();
+  restarting = {};
   last_block = {};
   phase = Phase::idle;
 }

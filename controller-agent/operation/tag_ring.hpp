@@ -23,6 +23,7 @@ struct SegmentState {
   bool has_end = false;
   bool cutting = false;            ///< not a rapid
   std::uint16_t skip_signals = 0;  ///< any of these ends the move (G31)
+  bool skip_low = false;           ///< … while they are off (0i-D No.6200#1)
   bool fixed_feed = false;         ///< feed override is 100 % (skip moves, G63)
   bool not_held = false;           ///< feed hold waits until the move is over (G63, #3004)
   bool no_single_block = false;    ///< single block does not stop at its end (#3003)

@@ -21,8 +21,7 @@ std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation
                                               const machine::Machine& machine, bool skip_input) {
   if (const auto* feed = std::get_if<interp::Feed>(&operation); feed != nullptr && feed->skip_signals != 0) {
     const bool torque = (feed->skip_signals & interp::kSkipTorque) != 0;  // no drive reports its torque yet
-    const bool reversed = !feed->skip_level;  // the inputs are sampled as "acts while it is on"
-    if (!skip_input || torque || reversed) return kSkip;
+    if (!skip_input || torque) return kSkip;
   }
   if (const auto* polygon = std::get_if<interp::PolygonTurning>(&operation);
       polygon != nullptr && polygon->on && machine.polygon_axis == 0)

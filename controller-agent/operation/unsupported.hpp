@@ -16,8 +16,8 @@ namespace headstock::operation {
 std::optional<MachineAlarm> unsupported_alarm(const interp::Operation& operation,
                                               const machine::Machine& machine, bool skip_input);
 
-/// M96 asks for an interruption signal, and no machine has an input for it yet: a program that counts on being
-/// interrupted must not run as if nothing were missing.
+/// M96 asks for an interruption signal, and this machine has no input for it (`interruption_input`): a program that
+/// counts on being interrupted must not run as if nothing were missing.
 MachineAlarm interruption_alarm();
 
 }  // namespace headstock::operation

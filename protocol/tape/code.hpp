@@ -78,7 +78,7 @@ std::string_view control_name(std::uint8_t byte);
 /// The byte with bit 8 set when that makes the number of its ones even.
 constexpr std::uint8_t with_even_parity(std::uint8_t seven_bits) {
   std::uint8_t ones = 0;
-  for (unsigned bit = 0; bit < 7; ++bit) ones = static_cast<std::uint8_t>(ones ^ ((seven_bits >> bit) & 1u));
+  for (unsigned bit = 0; bit < 7; ++bit) ones = static_cast<std::uint8_t>(ones ^ ((unsigned{seven_bits} >> bit) & 1u));
   return static_cast<std::uint8_t>((seven_bits & 0x7Fu) | (ones << 7));
 }
 

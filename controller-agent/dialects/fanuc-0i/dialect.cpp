@@ -77,6 +77,8 @@ void set_common_modes(ModeRules& modes) {
   modes.auxiliary_inch_parameter = "3405#0";
   modes.parameter_input = true;
   modes.largest_offset = 9'999.9999;
+  modes.surface_speed_zero_refused = true;
+  modes.mirror_setting_parameter = "0012#0";
   modes.axis_parameters = kAxisParameters;
   modes.spindle_parameters = kSpindleParameters;
 }
@@ -186,6 +188,10 @@ Dialect make_common() {
                    {R::spindle_number, "PS5305"},
                    {R::m_combination, "PS5016"},
                    {R::position_overflow, "PS1160"},
+                   {R::transform_overflow, "PS0143"},
+                   {R::compensated_overflow, "PS5007"},
+                   {R::surface_speed_zero, "PS1541"},
+                   {R::number_place, "PS1013"},
                    {R::too_many_words, "PS5006"},
                    {R::interrupted_transform, "PS1101"},
                    {R::arc_increments, "PS5064"}});

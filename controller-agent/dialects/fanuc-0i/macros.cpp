@@ -186,7 +186,8 @@ void add_fanuc_macros(Dialect& d) {
                                      : std::span<const SystemVariable>(kMillVariables);
   using R = AlarmReason;
   for (const auto& [reason, code] : std::initializer_list<std::pair<R, std::string_view>>{
-           {R::macro_syntax, "PS0004"},        {R::macro_integer, "PS0110"},
+           {R::macro_syntax, "PS0125"},        {R::offset_name, "PS1096"},
+                 {R::macro_integer, "PS0110"},
            {R::macro_overflow, "PS0111"},      {R::macro_divide, "PS0112"},
            {R::expression, "PS0114"},          {R::macro_expression, "PS1125"},
            {R::macro_variable, "PS0115"},      {R::macro_protected, "PS0116"},

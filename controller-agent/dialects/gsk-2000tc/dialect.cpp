@@ -39,6 +39,7 @@ Dialect make_gsk_2000tc() {
   d.numbers.pointed = letters("BCDFIJKLPQRUVWXYZ");
   d.numbers.negative = letters("BCIJKRUVWXYZ");
   d.arcs.tolerance_parameter = "P154";
+  d.arcs.largest_r = 999'999.9999;
   d.calls.l_repeats = true;  // E5
   d.calls.most_repeats = 9'999;
   d.tools.most_offsets = 32;

@@ -34,9 +34,12 @@ Dialect make_gsk_218t() {
   d.numbers.pointed = letters("FIJKPQRUWXZ");
   d.numbers.negative = letters("IKRUWXZ");
   d.modes.inch_parameter = "P001.6";
-  d.modes.largest_offset = 9'999.999;
   d.modes.x_radius_parameter = "P001.2";
+  d.set_alarm_code(AlarmReason::computed_number, "146");
+  d.set_alarm_code(AlarmReason::call_p_value, "162");
   d.arcs.negative_r = false;
+  d.arcs.largest_r = 9'999.999;
+  d.modes.largest_offset = 9'999.999;
   d.arcs.r_and_center_is_alarm = true;
   d.threads.f_and_i_is_alarm = true;
   d.threads.lead_along_path = true;

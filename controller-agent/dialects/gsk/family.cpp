@@ -62,11 +62,14 @@ Dialect family() {
                    {R::h_code, "114"},
                    {R::h_target, "147"},
                    {R::h_operand, "169"},
-                   {R::call_count, "163"}});
+                   {R::call_count, "163"},
+                   {R::arc_r_too_large, "024"},
+                   {R::surface_speed_zero, "155"}});
   for (bool& by_letter : d.incremental_letters) by_letter = true;
   d.m_rules = usual_m_rules();
   d.numbers.decimal = Decimal::pocket;  // all examples write millimetres without a point
   d.arcs = {.tolerance_mm = 0.01};
+  d.modes.surface_speed_zero_refused = true;
   d.threads.inch_word = true;
   d.calls = {.nesting = 4};
   d.tools = {.lathe = true, .offset_digits = 2, .sign = 1};

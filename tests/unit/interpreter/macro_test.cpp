@@ -402,6 +402,34 @@ TEST(Restart, FromABlockNumberGivesTheSameRest) {
   }
 }
 
+// Where the path is displaced, or a corner waits for its next block, the axes would begin beside it.
+TEST(Restart, NotInsideCompensationOrAtAChamfer) {
+  for (const char* text : {"O1\nG90 G54 G0 X0\nG41 D1 G1 X5. Y5. F100\nN10 X20.\nG40 X30.\nM30\n",
+                           "O1\nG90 G54 G0 X0\nG1 X5. F100 ,C1.\nN10 Y20.\nM30\n"}) {
+    Bench bench;
+    bench.data.tools.resize(2);
+    bench.data.tools[1].radius = 2;
+    bench.text = text;
+    RestartPoint point;
+    point.sequence = 10;
+    ASSERT_EQ(bench.interpreter.restart(program::source_from_text(bench.text), {}, point), Pull::finished) << text;
+    EXPECT_EQ(bench.alarm_of_run(), "PS0412") << text;
+  }
+}
+
+// A machine on which time passes: a restart does not wait for a standstill that nothing brings about.
+TEST(Restart, PassesWhatLooksAtTheMachine) {
+  Bench bench;
+  Running environment;
+  bench.interpreter.set_environment(&environment);
+  bench.text = "O1\nG90 G0 X1.\nM00\n#1=#5021\nG53 X0\nN10 X7.\nM30\n";
+  RestartPoint point;
+  point.sequence = 10;
+  ASSERT_EQ(bench.interpreter.restart(program::source_from_text(bench.text), {}, point), Pull::operation);
+  ASSERT_EQ(bench.next(), Pull::operation);
+  EXPECT_EQ(motion(bench.operation)->end_work[0], 7.0);
+}
+
 TEST(Restart, ABlockThatIsNotThereIsAnAlarm) {
   Bench bench;
   bench.text = kRestarted;

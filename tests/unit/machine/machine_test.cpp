@@ -200,7 +200,7 @@ TEST(MachineFile, WrittenAndReadAgainIsTheSame) {
 
 TEST(MachineFile, WhatAxesAndSpindleAreBuiltLikeIsReadAndWritten) {
   const Machine machine = parsed(
-      "[machine]\nprofile = \"fanuc-0i-m\"\nskip_input = true\nsecond_auxiliary = true\npolygon_axis = "
+      "[machine]\nprofile = \"fanuc-0i-m\"\nskip_input = true\ninterruption_input = true\nsecond_auxiliary = true\npolygon_axis = "
       "\"A\"\n"
       "[axis.X]\nhoming = \"dog\"\ndog_mm = 80\ndog_width_mm = 12\ngrid_mm = 6\nhome_negative = true\n"
       "creep_mm_min = 200\nemergency_deceleration_mm_s2 = 5000\npitch_error_negative = [[0, 1], [10, 2]]\n"
@@ -211,6 +211,7 @@ TEST(MachineFile, WhatAxesAndSpindleAreBuiltLikeIsReadAndWritten) {
       "[spindle]\ntap_rpm = 2000\norient_m = 18\norient_deg = 45\ncontour_axis = \"C\"\ncontour_on_m = 81\n"
       "contour_off_m = 82\n[drive]\ntype = \"ideal\"\n");
   EXPECT_TRUE(machine.skip_input);
+  EXPECT_TRUE(machine.interruption_input);
   EXPECT_TRUE(machine.second_auxiliary);
   EXPECT_EQ(machine.polygon_axis, 'A');
   EXPECT_EQ(machine.drive, "ideal");

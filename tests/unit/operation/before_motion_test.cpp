@@ -39,6 +39,22 @@ TEST(Skip, WithoutASignalTheMoveEndsAsProgrammed) {
   EXPECT_EQ(bench.controller.sample().position[1], 10);
 }
 
+// No.6200#1: the signal acts while it is off.
+TEST(Skip, ASignalThatActsWhileItIsOffEndsTheMoveWhenItGoesOff) {
+  Bench bench("fanuc-0i-m", with_skip());
+  ASSERT_TRUE(bench.controller
+                  .edit_data([](interp::MachineData& data) { data.parameters["6200#1"] = 1; }, {}, "test")
+                  .accepted);
+  bench.controller.set_skip_signals(1);
+  bench.load("O1\nG90 G94 G21\nG31 X50. F600.\nM30\n");
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until([&] { return bench.controller.sample().position[0] > 20; }, 20)) << "on: it runs";
+  bench.controller.set_skip_signals(0);
+  ASSERT_TRUE(bench.until_state(State::idle, 20));
+  EXPECT_GT(bench.controller.sample().position[0], 20);
+  EXPECT_LT(bench.controller.sample().position[0], 23);
+}
+
 TEST(Skip, AMachineWithoutTheInputRefuses) {
   Bench bench;
   bench.load("O1\nG90 G94 G21\nG31 X20. F1200.\nM30\n");
@@ -62,6 +78,19 @@ void expect_alarm_before_motion(const std::string& profile, const std::string& p
 TEST(Thread, RefusedBeforeMotionWhenTheAxesCannotFollow) {
   expect_alarm_before_motion("fanuc-0i-t", "O1\nG97 S2000 M03\nG32 W-30. F6.\nM30\n", "HS0003");
   expect_alarm_before_motion("fanuc-0i-t", "O1\nG97 S1500 M03\nG32 W-1. F4.\nM30\n", "HS0004");
+}
+
+TEST(DryRun, ARateOfNothingIsAnAlarmNotAStandstill) {
+  Bench bench;
+  ASSERT_TRUE(bench.controller
+                  .edit_data([](interp::MachineData& data) { data.parameters["1410"] = 0; }, {}, "test")
+                  .accepted);
+  bench.load("O1\nG90 G94 G21 G01 X10. F600.\nM30\n");
+  ASSERT_TRUE(bench.press(Action::set_dry_run, 1).accepted);
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until_state(State::alarm, 20));
+  EXPECT_EQ(bench.controller.live().alarms[0].code, "PS5009");
+  EXPECT_EQ(bench.controller.sample().position[0], 0);
 }
 
 TEST(Thread, OneThatFitsIsCut) {

@@ -112,6 +112,7 @@ TEST(Mdi, CarriesOutTheBlockOnce) {
   ASSERT_TRUE(bench.controller.enter_mdi("G90 G94 G21 G01 X7. F2000.\n").accepted);
   ASSERT_TRUE(bench.start());
   ASSERT_TRUE(bench.until([&] { return bench.state() != State::running; }, 20));
+  EXPECT_EQ(bench.state(), State::idle) << "no alarm for want of an M30";
   EXPECT_EQ(bench.controller.sample().position[0], 7);
   for (int i = 0; i < 100; ++i) bench.period();
   if (bench.state() == State::alarm) bench.press(Action::reset);
