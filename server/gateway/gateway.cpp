@@ -21,7 +21,6 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using nlohmann::json;
 using wire::Type;
-constexpr auto kAsTuple = asio::as_tuple(asio::use_awaitable);
 
 /// The server's own certificate is looked at again this often.
 constexpr std::chrono::hours kRenewalCheck{12};

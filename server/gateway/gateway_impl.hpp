@@ -2,10 +2,12 @@
 // gateway_transfers.cpp. Network thread.
 #pragma once
 
+#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
 #include <map>
 #include <memory>
 #include <set>
@@ -18,6 +20,9 @@
 #include "server/gateway/outgoing_transfer.hpp"
 
 namespace headstock::server {
+
+/// Failures of the link are answers here, not exceptions.
+inline constexpr auto kAsTuple = boost::asio::as_tuple(boost::asio::use_awaitable);
 
 struct Gateway::Impl final : SessionOwner, std::enable_shared_from_this<Impl> {
   Impl(boost::asio::io_context& context, GatewayOptions given, GatewayHost& the_host)

@@ -12,7 +12,6 @@ namespace {
 
 namespace asio = boost::asio;
 using wire::Type;
-constexpr auto kAsTuple = asio::as_tuple(asio::use_awaitable);
 
 /// A put whose machine does not come back is given up; its bytes stay there for the next attempt.
 constexpr std::chrono::minutes kPutWaits{15};
