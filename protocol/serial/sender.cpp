@@ -9,6 +9,8 @@ namespace headstock::serial {
 namespace {
 
 constexpr std::size_t kPiece = 4'096;
+/// What a control can say while the last characters to it are on the wire: far less than this.
+constexpr std::size_t kMostEarly = 4'096;
 constexpr std::uint8_t kSevenBits = 0x7F;
 
 class TextSource final : public Source {
@@ -96,6 +98,8 @@ void Sender::on_bytes(std::string_view bytes, Time now) {
       ++counters_.starts;
       started_ = true;
       stopped_ = false;
+    } else if (state_ == State::draining && early_.size() < kMostEarly) {
+      early_ += byte;
     } else {
       ++counters_.unexpected;
     }

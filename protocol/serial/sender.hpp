@@ -99,6 +99,9 @@ class Sender {
   const std::string& reason() const { return reason_; }
   const SendCounters& counters() const { return counters_; }
   const SendRules& rules() const { return rules_; }
+  /// What the control said after everything had been handed over, without DC1 and DC3: it may have read the last
+  /// block and begun its next punch before the device says that it is done.
+  const std::string& early() const { return early_; }
 
  private:
   void decide(Time now);
@@ -113,7 +116,7 @@ class Sender {
   State state_ = State::waiting;
   std::string reason_;
   SendCounters counters_;
-  std::string buffer_;
+  std::string buffer_, early_;
   std::size_t at_ = 0;
   bool ended_ = false;  ///< the source has nothing more
   bool started_, stopped_ = false, cts_ = true, paused_ = false;

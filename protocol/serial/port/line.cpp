@@ -186,6 +186,9 @@ struct Line::Impl final : PortListener, std::enable_shared_from_this<Impl> {
       timer.cancel();
     }
     tell(*job, now);
+    if (sender.state() == Sender::State::done && !sender.early().empty() && open && !busy() &&
+        callbacks.idle_bytes)
+      callbacks.idle_bytes(sender.early());
     if (sending == job) wake_at(full ? now + kDeviceFull : sender.wake(now));
   }
 

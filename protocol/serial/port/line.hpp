@@ -48,7 +48,7 @@ struct LoopReport {
 struct LineCallbacks {
   std::function<void()> opened;
   std::function<void(const std::string& reason, const std::string& text)> closed;
-  std::function<void(std::string_view)> idle_bytes;  ///< came while no job was running
+  std::function<void(std::string_view)> idle_bytes;  ///< came while no job was running, or behind the last of one
   std::function<void(const Signals&)> signals;
 };
 

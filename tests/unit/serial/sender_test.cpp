@@ -46,6 +46,19 @@ TEST(Sender, WaitsForDc1) {
   EXPECT_EQ(sender.state(), State::done);
 }
 
+TEST(Sender, KeepsWhatTheControlSaysBehindTheLastBlock) {
+  Sender sender(rules_for("dc1-dc4"), text_source("ABC"), at(0s));
+  sender.on_bytes("\x11", at(1s));
+  sender.on_bytes("?", at(1s));
+  everything(sender, at(1s));
+  sender.on_bytes("\x13\x12%", at(1s));
+  sender.on_bytes("\nO1", at(1s));
+  sender.tick(at(2s), 0);
+  EXPECT_EQ(sender.state(), State::done);
+  EXPECT_EQ(sender.early(), "\x12%\nO1");
+  EXPECT_EQ(sender.counters().unexpected, 1u) << "what came while we sent is no punch";
+}
+
 TEST(Sender, StopsOnDc3WithAndWithoutParityWithinItsQueue) {
   for (const char* stop : {"\x13", "\x93"}) {
     Sender sender(rules_for("dc1-dc4"), text_source(std::string(1'000, 'X')), at(0s));
