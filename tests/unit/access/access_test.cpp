@@ -9,7 +9,7 @@
 #include "server/access/accounts.hpp"
 #include "server/access/audit.hpp"
 #include "server/access/password.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::access {
 namespace {

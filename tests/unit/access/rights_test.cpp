@@ -1,4 +1,5 @@
-// Who may do what where. Table-like: a grant, and what follows from it on machine 1, machine 2, and shop-wide.
+// Who may do what where. Table-like: a grant, and what follows from it on machine 1, machine 2, and
+// shop-wide.
 #include "server/access/rights.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +13,7 @@
 #include "server/access/password.hpp"
 #include "server/access/protection.hpp"
 #include "server/access/view_tokens.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::access {
 namespace {
@@ -81,7 +82,8 @@ TEST_F(RightsTest, AGroupIsItsMachinesAsTheyAreNow) {
 }
 
 TEST_F(RightsTest, AnActionMayBeAllowedOrForbiddenAlone) {
-  grant({{0, user, 0, 0, "", "release_program", true}, {0, user, machines[1], 0, "", "command_machine", false}});
+  grant({{0, user, 0, 0, "", "release_program", true},
+         {0, user, machines[1], 0, "", "command_machine", false}});
   EXPECT_TRUE(rights()->may(Action::release_program, kNoMachine));
   EXPECT_FALSE(rights()->may(Action::upload_program, kNoMachine));
   EXPECT_TRUE(rights()->may(Action::command_machine, machines[0]));
@@ -110,9 +112,12 @@ TEST_F(RightsTest, ServicesAskForEveryMachineOfTheCall) {
 
 TEST_F(RightsTest, NonsenseIsRefusedAndNothingKept) {
   grant({{0, user, machines[0], 0, "setter", "", true}});
-  for (const db::GrantRow& bad : {db::GrantRow{0, user, machines[0], 7, "setter", "", true}, {0, user, 999, 0, "setter", "", true},
-                                  {0, user, 0, 0, "king", "", true}, {0, user, 0, 0, "", "fly", true},
-                                  {0, user, 0, 0, "", "", true}, {0, user, 0, 0, "setter", "edit_offsets", true},
+  for (const db::GrantRow& bad : {db::GrantRow{0, user, machines[0], 7, "setter", "", true},
+                                  {0, user, 999, 0, "setter", "", true},
+                                  {0, user, 0, 0, "king", "", true},
+                                  {0, user, 0, 0, "", "fly", true},
+                                  {0, user, 0, 0, "", "", true},
+                                  {0, user, 0, 0, "setter", "edit_offsets", true},
                                   {0, user, 0, 0, "setter", "", false}})
     EXPECT_NE(refused_with([&] { grant({bad}); }), "");
   EXPECT_TRUE(rights()->may(Action::edit_offsets, machines[0]));
@@ -137,7 +142,8 @@ TEST_F(RightsTest, AScreensSecretIsShownOnceExpiresAndIsRevoked) {
   EXPECT_TRUE(find_view_token(*db, made.token, 4'999));
   EXPECT_FALSE(find_view_token(*db, made.token, 5'000));
   EXPECT_FALSE(find_view_token(*db, std::string(64, 'a'), 1'000));
-  EXPECT_FALSE(db->integer("SELECT 1 FROM view_tokens WHERE token_sha256 = ?", {made.token})) << "only its hash is kept";
+  EXPECT_FALSE(db->integer("SELECT 1 FROM view_tokens WHERE token_sha256 = ?", {made.token}))
+      << "only its hash is kept";
   revoke_view_token(*db, Actor{}, made.id, 2'000);
   EXPECT_FALSE(find_view_token(*db, made.token, 2'001));
   EXPECT_EQ(refused_with([&] { revoke_view_token(*db, Actor{}, made.id, 2'000); }), "not_found");
@@ -156,10 +162,12 @@ TEST_F(RightsTest, SessionsEndUnusedWhenTheShopSaysSo) {
 
 TEST_F(RightsTest, AnAddressThatGuessesIsLockedWhateverTheUser) {
   const SignInPolicy policy;
-  for (int i = 0; i < policy.address_failures_before_lock - 1; ++i) count_address_failure(*db, "10.0.0.9", policy, 1'000);
+  for (int i = 0; i < policy.address_failures_before_lock - 1; ++i)
+    count_address_failure(*db, "10.0.0.9", policy, 1'000);
   EXPECT_EQ(refused_with([&] { demand_patient_address(*db, "10.0.0.9", 1'000); }), "");
   count_address_failure(*db, "10.0.0.9", policy, 1'000);
-  EXPECT_EQ(refused_with([&] { demand_patient_address(*db, "10.0.0.9", 1'000 + policy.lock_ms - 1); }), "locked_out");
+  EXPECT_EQ(refused_with([&] { demand_patient_address(*db, "10.0.0.9", 1'000 + policy.lock_ms - 1); }),
+            "locked_out");
   EXPECT_EQ(refused_with([&] { demand_patient_address(*db, "10.0.0.9", 1'000 + policy.lock_ms); }), "");
   EXPECT_EQ(refused_with([&] { demand_patient_address(*db, "10.0.0.8", 1'000); }), "");
   // A quarter of an hour without a failure, and it is forgotten.
@@ -185,7 +193,8 @@ TEST(Passwords, WhatIsTooEasy) {
 }
 
 TEST(Protection, EveryProfileHasItsLevelsHighestFirst) {
-  for (const char* profile : {"fanuc-0i-t", "fanuc-0i-m", "gsk-2000tc", "gsk-218t", "k2000tc", "lathe-200t"}) {
+  for (const char* profile :
+       {"fanuc-0i-t", "fanuc-0i-m", "gsk-2000tc", "gsk-218t", "k2000tc", "lathe-200t"}) {
     const auto levels = protection_levels(profile);
     ASSERT_FALSE(levels.empty()) << profile;
     for (std::size_t i = 1; i < levels.size(); ++i) EXPECT_LE(levels[i].role, levels[i - 1].role) << profile;

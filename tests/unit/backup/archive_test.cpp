@@ -10,7 +10,7 @@
 #include "server/backup/dump.hpp"
 #include "server/backup/machine_backup.hpp"
 #include "server/backup/server_backup.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::backup {
 namespace {
@@ -46,7 +46,8 @@ TEST(Archive, ComesBackAsItWasWritten) {
   EXPECT_EQ(verify(folder / "a.tar.zst").at("entries").size(), 3u);
   std::map<std::string, std::string> found;
   each_entry(folder / "a.tar.zst", [&](Entry& entry) { found[entry.name()] = entry.all(); });
-  EXPECT_EQ(found, (std::map<std::string, std::string>{{"one", "1"}, {"empty", ""}, {"dir/big", std::string(3u << 20, 'x')}}));
+  EXPECT_EQ(found, (std::map<std::string, std::string>{
+                       {"one", "1"}, {"empty", ""}, {"dir/big", std::string(3u << 20, 'x')}}));
 }
 
 TEST(Archive, AHalfOneLeavesNothing) {
@@ -90,7 +91,8 @@ TEST(Archive, AnyDamageIsRefused) {
     refused(bytes);
   }
   EXPECT_LT(harmless, static_cast<int>(whole.size()) / 10);
-  for (std::size_t length = 0; length < whole.size() * 9 / 10; length += 7) EXPECT_NE(refused(whole.substr(0, length)), "") << length;
+  for (std::size_t length = 0; length < whole.size() * 9 / 10; length += 7)
+    EXPECT_NE(refused(whole.substr(0, length)), "") << length;
 }
 
 TEST(Archive, ANameThatLeavesTheFolderIsRefused) {
@@ -104,7 +106,8 @@ TEST(Archive, ANameThatLeavesTheFolderIsRefused) {
 }
 
 struct ServerBackupTest : testing::Test {
-  /// A shop with something of everything that is awkward: bytes that are no UTF-8, reals, nulls, a changed identity.
+  /// A shop with something of everything that is awkward: bytes that are no UTF-8, reals, nulls, a changed
+  /// identity.
   void fill(db::Database& db) {
     db::put_setting(db, "odd", "a\xFFz\n\"'");
     db::UserRow user;
@@ -118,14 +121,19 @@ struct ServerBackupTest : testing::Test {
     machine.name = "Lathe 1";
     machine.profile = "fanuc-0i-t";
     const auto id = db::insert_machine(db, machine);
-    db.execute("INSERT INTO tool_life (machine_id, tool, unit, used, life, at_ms) VALUES (?, 'T1', 'min', ?, 5, 1)", {id, 1.0 / 3.0});
+    db.execute(
+        "INSERT INTO tool_life (machine_id, tool, unit, used, life, at_ms) VALUES (?, 'T1', 'min', ?, 5, 1)",
+        {id, 1.0 / 3.0});
     for (int i = 0; i < 3; ++i) db::append_audit(db, {0, i, "li", "", "a", "s", "{}", "", ""});
     const db::Blobs blobs(folder.path());
     auto writer = blobs.begin();
     writer.append("O1\nM30\n");
     sha256 = writer.finish();
-    db.execute("INSERT INTO blobs (sha256, bytes, lines, longest_line, encoding, line_ends, nul_bytes, has_percent, created_ms) "
-               "VALUES (?, 7, 2, 3, 'ascii', 'lf', 0, 0, 1)", {sha256});
+    db.execute(
+        "INSERT INTO blobs (sha256, bytes, lines, longest_line, encoding, line_ends, nul_bytes, has_percent, "
+        "created_ms) "
+        "VALUES (?, 7, 2, 3, 'ascii', 'lf', 0, 0, 1)",
+        {sha256});
     std::filesystem::create_directories(folder / "pki");
     write_file(folder / "pki/ca.pem", "key");
   }
@@ -153,7 +161,8 @@ TEST_F(ServerBackupTest, IsRestoredWholeIntoAnEmptyFolder) {
   const std::string connection = test::test_database();
   const auto restored = restore_server(archive, second / "data", connection);
   EXPECT_EQ(restored.programs, 1);
-  const auto copy = connection.empty() ? db::open_sqlite(second / "data" / "headstock.db") : db::open_postgres(connection);
+  const auto copy =
+      connection.empty() ? db::open_sqlite(second / "data" / "headstock.db") : db::open_postgres(connection);
   EXPECT_EQ(db::first_broken_audit(*copy), 0);
   EXPECT_EQ(db::audit_head(*copy).id, 3);
   EXPECT_EQ(db::setting(*copy, "odd"), db::setting(*db, "odd"));
@@ -161,7 +170,8 @@ TEST_F(ServerBackupTest, IsRestoredWholeIntoAnEmptyFolder) {
   copy->each("SELECT used FROM tool_life", {}, [](const db::Row& row) { EXPECT_EQ(row.real(0), 1.0 / 3.0); });
   EXPECT_TRUE(db::Blobs(second / "data").verify(sha256));
   EXPECT_EQ(test::read_file(second / "data" / "pki/ca.pem"), "key");
-  EXPECT_EQ(copy->integer("SELECT COUNT(*) FROM downtime_reasons"), db->integer("SELECT COUNT(*) FROM downtime_reasons"));
+  EXPECT_EQ(copy->integer("SELECT COUNT(*) FROM downtime_reasons"),
+            db->integer("SELECT COUNT(*) FROM downtime_reasons"));
   db::MachineRow machine;
   machine.name = "Lathe 2";
   machine.profile = "fanuc-0i-t";

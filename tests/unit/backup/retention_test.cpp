@@ -11,7 +11,7 @@
 #include "db/machine_store.hpp"
 #include "db/refusal.hpp"
 #include "server/backup/archive.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::backup {
 namespace {
@@ -25,13 +25,17 @@ struct RetentionTest : testing::Test {
     row.profile = "fanuc-0i-t";
     machine = db::insert_machine(*db, row);
   }
-  void state(const char* name, std::int64_t from, std::optional<std::int64_t> to, const char* source = "machine") {
-    db->execute("INSERT INTO state_intervals (machine_id, state, mode, source, from_ms, to_ms) VALUES (?, ?, 'memory', ?, ?, ?)",
-                {machine, name, source, from, to});
+  void state(const char* name, std::int64_t from, std::optional<std::int64_t> to,
+             const char* source = "machine") {
+    db->execute(
+        "INSERT INTO state_intervals (machine_id, state, mode, source, from_ms, to_ms) VALUES (?, ?, "
+        "'memory', ?, ?, ?)",
+        {machine, name, source, from, to});
   }
   std::vector<db::StateRow> states() {
     std::vector<db::StateRow> found;
-    db::each_state(*db, {machine, std::nullopt, std::nullopt}, [&](const db::StateRow& row) { found.push_back(row); });
+    db::each_state(*db, {machine, std::nullopt, std::nullopt},
+                   [&](const db::StateRow& row) { found.push_back(row); });
     return found;
   }
   /// Milliseconds of each state in each hour.
@@ -71,7 +75,8 @@ TEST_F(RetentionTest, EveryHourKeepsItsSecondsOfEveryState) {
   EXPECT_EQ(by_hour(), before);
   EXPECT_LT(states().size(), rows * 7 / 10);
   const auto after = states();
-  for (std::size_t i = 1; i < after.size(); ++i) EXPECT_EQ(after[i].from_ms, after[i - 1].to_ms) << "no hole, no overlap";
+  for (std::size_t i = 1; i < after.size(); ++i)
+    EXPECT_EQ(after[i].from_ms, after[i - 1].to_ms) << "no hole, no overlap";
   EXPECT_FALSE(after.back().to_ms);
   const auto fine = states().size();
   coarsen(10 * kDay);

@@ -6,7 +6,7 @@
 #include <array>
 
 #include "db/database.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::db {
 namespace {

@@ -11,7 +11,7 @@
 #include "db/event_store.hpp"
 #include "db/time.hpp"
 #include "db/user_store.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::db {
 namespace {

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "db/migrations.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::db {
 namespace {

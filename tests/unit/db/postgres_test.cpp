@@ -1,11 +1,12 @@
-// What is PostgreSQL's own: a broken connection, one server a database, what its texts cannot hold. The stores' tests
-// run on it too (CMakeLists.txt, with-postgresql). Without a server (HEADSTOCK_TEST_DATABASE) these are skipped.
+// What is PostgreSQL's own: a broken connection, one server a database, what its texts cannot hold. The
+// stores' tests run on it too (CMakeLists.txt, with-postgresql). Without a server (HEADSTOCK_TEST_DATABASE)
+// these are skipped.
 #include <gtest/gtest.h>
 
 #include "db/database.hpp"
 #include "db/migrations.hpp"
 #include "db/user_store.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::db {
 namespace {
@@ -43,7 +44,8 @@ class Postgres : public testing::Test {
 
 TEST_F(Postgres, MigratesOnce) {
   EXPECT_EQ(migrate(*db), 0);
-  EXPECT_EQ(db->integer("SELECT COUNT(*) FROM schema_migrations"), static_cast<std::int64_t>(builtin_migrations().size()));
+  EXPECT_EQ(db->integer("SELECT COUNT(*) FROM schema_migrations"),
+            static_cast<std::int64_t>(builtin_migrations().size()));
 }
 
 TEST_F(Postgres, ASecondServerIsToldSo) {
@@ -81,7 +83,8 @@ TEST_F(Postgres, ABrokenConnectionLosesTheTransactionAndNothingElse) {
     // Still inside: nothing of it may slip into a new connection.
     EXPECT_EQ(problem_of([&] { put("even more", "1"); }), Problem::lost);
   }
-  EXPECT_EQ(db->integer("SELECT COUNT(*) FROM settings WHERE key IN ('kept', 'half', 'more', 'even more')"), 1);
+  EXPECT_EQ(db->integer("SELECT COUNT(*) FROM settings WHERE key IN ('kept', 'half', 'more', 'even more')"),
+            1);
   put("after", "1");
   EXPECT_EQ(db->text("SELECT value FROM settings WHERE key = ?", {"after"}), "1");
 }
@@ -109,7 +112,8 @@ TEST_F(Postgres, TextsThatItCannotHoldAreKeptReadable) {
   const std::string wild = std::string("a\0b", 3) + "\xFF" + "\xED\xA0\x80" + "\xC3\xA9" + "\xE5\x8D\x97";
   db->execute("INSERT INTO settings (key, value) VALUES (?, ?)", {"wild", wild});
   EXPECT_EQ(db->text("SELECT value FROM settings WHERE key = 'wild'"),
-            "a\xEF\xBF\xBD" "b\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD\xC3\xA9\xE5\x8D\x97");
+            "a\xEF\xBF\xBD"
+            "b\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD\xC3\xA9\xE5\x8D\x97");
 }
 
 TEST_F(Postgres, NumbersComeBackBitForBit) {

@@ -12,7 +12,7 @@
 #include "server/dnc/settings.hpp"
 #include "server/library/checks.hpp"
 #include "server/library/programs.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::dnc {
 namespace {

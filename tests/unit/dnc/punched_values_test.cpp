@@ -10,7 +10,7 @@
 #include "db/refusal.hpp"
 #include "server/fleet/machines.hpp"
 #include "server/fleet/punched.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::dnc {
 namespace {

@@ -16,7 +16,7 @@
 #include "server/dnc/start_place.hpp"
 #include "server/dnc/transfer_log.hpp"
 #include "server/library/programs.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::dnc {
 namespace {

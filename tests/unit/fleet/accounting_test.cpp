@@ -7,7 +7,7 @@
 #include "server/fleet/machines.hpp"
 #include "server/fleet/oee.hpp"
 #include "server/fleet/states.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::fleet {
 namespace {

@@ -10,7 +10,7 @@
 #include "server/fleet/events.hpp"
 #include "server/fleet/machines.hpp"
 #include "server/fleet/orders.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::fleet {
 namespace {

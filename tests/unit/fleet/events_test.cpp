@@ -9,7 +9,7 @@
 #include "server/fleet/counts.hpp"
 #include "server/fleet/event_times.hpp"
 #include "server/fleet/machines.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::fleet {
 namespace {
@@ -143,7 +143,8 @@ struct ClockJumps : Events {
   std::int64_t sequence = 0;
 
   Intake state(const char* name, std::int64_t at_ms, std::int64_t heard_ms) {
-    const json event = {{"seq", ++sequence}, {"at_ms", at_ms}, {"kind", "state"}, {"state", name}, {"mode", "memory"}};
+    const json event = {
+        {"seq", ++sequence}, {"at_ms", at_ms}, {"kind", "state"}, {"state", name}, {"mode", "memory"}};
     return take_in(*db, machine, "spool", json::array({event}), heard_ms);
   }
   /// "idle 0, running 10": state and start in seconds after kNow; the chain is whole and its last is open.
@@ -174,7 +175,8 @@ TEST_F(ClockJumps, AheadIsANamedAlarmAndNothingIsRecordedInTheFuture) {
   EXPECT_EQ(right.cleared[0].id, jumped.raised[0].id);
   EXPECT_EQ(record(), "idle 0, running 10, hold 30, running 40");
   std::int64_t told = 0;
-  db->each("SELECT body FROM events WHERE sequence = 2", {}, [&](const db::Row& row) { told = json::parse(row.text(0))["at_ms"]; });
+  db->each("SELECT body FROM events WHERE sequence = 2", {},
+           [&](const db::Row& row) { told = json::parse(row.text(0))["at_ms"]; });
   EXPECT_EQ(told, kNow + 3'600'000) << "the raw event says what the machine said";
 }
 
@@ -183,7 +185,8 @@ TEST_F(ClockJumps, BackKeepsTheOrderOfTheMachine) {
   state("running", kNow + 3'600'000, kNow + 3'600'000);
   const Intake jumped = state("alarm", kNow + 60'000, kNow + 3'660'000);
   ASSERT_EQ(jumped.raised.size(), 1u);
-  EXPECT_NE(jumped.raised[0].text_en.find("went back by 3540 s"), std::string::npos) << jumped.raised[0].text_en;
+  EXPECT_NE(jumped.raised[0].text_en.find("went back by 3540 s"), std::string::npos)
+      << jumped.raised[0].text_en;
   EXPECT_EQ(record(), "idle 0, alarm 3600") << "what the machine does now is not hidden behind what it did";
   EXPECT_EQ(state("running", kNow + 3'700'000, kNow + 3'700'000).cleared.size(), 1u);
   EXPECT_EQ(record(), "idle 0, alarm 3600, running 3700");
@@ -192,8 +195,10 @@ TEST_F(ClockJumps, BackKeepsTheOrderOfTheMachine) {
 TEST_F(ClockJumps, LateDeliveryAndSmallStepsAreNoJump) {
   EXPECT_TRUE(state("idle", kNow, kNow + 86'400'000).raised.empty()) << "a day without a link";
   EXPECT_TRUE(state("running", kNow + 10'000, kNow + 86'400'000).raised.empty());
-  EXPECT_TRUE(state("hold", kNow + 9'000, kNow + 86'400'000).raised.empty()) << "the clock was set by a second";
-  EXPECT_TRUE(state("alarm", kNow + 86'430'000, kNow + 86'400'000).raised.empty()) << "two clocks are never the same";
+  EXPECT_TRUE(state("hold", kNow + 9'000, kNow + 86'400'000).raised.empty())
+      << "the clock was set by a second";
+  EXPECT_TRUE(state("alarm", kNow + 86'430'000, kNow + 86'400'000).raised.empty())
+      << "two clocks are never the same";
 }
 
 TEST_F(ClockJumps, PartsAreCountedAllTheSameAndRecountedTheSame) {

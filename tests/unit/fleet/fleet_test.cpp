@@ -12,7 +12,7 @@
 #include "db/store.hpp"
 #include "db/time.hpp"
 #include "server/fleet/machines.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::fleet {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "db/event_store.hpp"
 #include "db/machine_store.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::fleet {
 namespace {

@@ -11,7 +11,7 @@
 #include "server/fleet/tool_life.hpp"
 #include "server/fleet/value_requests.hpp"
 #include "server/fleet/value_sheet.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::fleet {
 namespace {
@@ -177,7 +177,8 @@ TEST_F(Values, DoneIsWhatWasReadBack) {
   EXPECT_EQ(send({{"accepted", true}, {"values", {{"tool/1/wear/X", 0.1}}}}).state, "done");
   const auto other = send({{"accepted", true}, {"values", {{"tool/1/wear/X", 0.2}}}});
   EXPECT_EQ(other.state + " " + other.reason, "failed read_back_differs");
-  EXPECT_EQ(send({{"accepted", true}, {"overtaken", true}, {"values", {{"tool/1/wear/X", 0.2}}}}).state, "done")
+  EXPECT_EQ(send({{"accepted", true}, {"overtaken", true}, {"values", {{"tool/1/wear/X", 0.2}}}}).state,
+            "done")
       << "a later change was there before it was read";
   EXPECT_EQ(send({{"accepted", true}, {"values", json::object()}}).state, "failed")
       << "not read back is not done";
@@ -221,8 +222,12 @@ json life_group(int group, int tools, int used = 0) {
   json values = {{place + "unit", 0}, {place + "life", 100}, {place + "current", 0}};
   for (int i = 0; i < tools; ++i) {
     const std::string entry = "/" + std::to_string(i);
-    values.update({{place + "tool" + entry, 10 + i}, {place + "offset" + entry, 1}, {place + "h" + entry, 0},
-                   {place + "d" + entry, 0}, {place + "used" + entry, used}, {place + "skipped" + entry, 0}});
+    values.update({{place + "tool" + entry, 10 + i},
+                   {place + "offset" + entry, 1},
+                   {place + "h" + entry, 0},
+                   {place + "d" + entry, 0},
+                   {place + "used" + entry, used},
+                   {place + "skipped" + entry, 0}});
   }
   return values;
 }
@@ -242,7 +247,8 @@ TEST_F(Values, AGroupOfToolLifeIsWrittenAsItsPageIsFilledIn) {
   EXPECT_EQ(all.items[0].what, "parameter/8132#0");
   EXPECT_EQ(all.items[1].what, "tool_life/1/unit");
   EXPECT_EQ(all.items[2].what, "tool_life/1/life");
-  for (std::size_t i = 0; i < 12; ++i) EXPECT_EQ(all.items[3 + i].what, "tool_life/1/tool/" + std::to_string(i));
+  for (std::size_t i = 0; i < 12; ++i)
+    EXPECT_EQ(all.items[3 + i].what, "tool_life/1/tool/" + std::to_string(i));
   EXPECT_EQ(refusal([&] { ask(wang, all.items); }), "") << "the machine's rules take it in this order";
 }
 
@@ -265,15 +271,19 @@ TEST_F(Values, AGroupTooManyIsTakenOffWholeAndAToolTooManyFromTheEnd) {
     what.push_back(item.what);
     EXPECT_FALSE(item.after) << item.what;
   }
-  EXPECT_EQ(what, (std::vector<std::string>{"tool_life/2/life", "tool_life/1/tool/12", "tool_life/1/tool/11", "tool_life/1/tool/10"}));
+  EXPECT_EQ(what, (std::vector<std::string>{"tool_life/2/life", "tool_life/1/tool/12", "tool_life/1/tool/11",
+                                            "tool_life/1/tool/10"}));
   EXPECT_EQ(refusal([&] { ask(wang, less.items); }), "");
   event("tool_life/2/life", 100, nullptr, "restore");
-  EXPECT_EQ(machine_pages(*db, machine).data.tool_life.groups.size(), 1u) << "the machine told that the group is gone";
+  EXPECT_EQ(machine_pages(*db, machine).data.tool_life.groups.size(), 1u)
+      << "the machine told that the group is gone";
 }
 
 TEST_F(Values, LivesAreUsesOrMinutesAndDoNotTurnIntoEachOther) {
   report(life_group(1, 2, 7));
-  const std::string refused = refusal([&] { ask(wang, {{"tool_life/2/unit", std::nullopt, 2, std::nullopt, false}}); });
+  const std::string refused = refusal([&] {
+    ask(wang, {{"tool_life/2/unit", std::nullopt, 2, std::nullopt, false}});
+  });
   EXPECT_EQ(refused, "value_refused tool_life/2/unit: out_of_range") << "no control of ours counts by weight";
   json minutes = life_group(1, 2, 7);
   minutes["tool_life/1/unit"] = 1;

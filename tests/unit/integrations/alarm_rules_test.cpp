@@ -6,7 +6,7 @@
 #include "db/event_store.hpp"
 #include "db/machine_store.hpp"
 #include "db/refusal.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::integrations {
 namespace {
@@ -222,7 +222,8 @@ TEST_F(AlarmRulesTest, NonsenseIsRefused) {
 }
 
 TEST_F(AlarmRulesTest, ARuleIsForSettersAnAcknowledgementForOperators) {
-  const access::Actor viewer{5, "v", access::Role::viewer, "", nullptr, {}}, op{6, "o", access::Role::operator_, "", nullptr, {}};
+  const access::Actor viewer{5, "v", access::Role::viewer, "", nullptr, {}},
+      op{6, "o", access::Role::operator_, "", nullptr, {}};
   EXPECT_THROW(put_rule(*db, op, rule()), db::Refusal);
   put_rule(*db, access::Actor{}, rule());
   raise(0);

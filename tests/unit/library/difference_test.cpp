@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::library {
 namespace {

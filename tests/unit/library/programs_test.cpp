@@ -13,7 +13,7 @@
 #include "db/store.hpp"
 #include "server/library/checks.hpp"
 #include "server/library/distribution.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::library {
 namespace {

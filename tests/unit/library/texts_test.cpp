@@ -2,7 +2,7 @@
 
 #include "server/library/lines.hpp"
 #include "server/library/text_facts.hpp"
-#include "tests/unit/db/temporary_folder.hpp"
+#include "tests/unit/db/shop_database.hpp"
 
 namespace headstock::library {
 namespace {

@@ -1,50 +1,19 @@
 // The real-time cycle must not allocate: every operator new of this program is counted.
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
-#include <new>
 
 #include "rig.hpp"
-
-namespace {
-std::atomic<std::size_t> allocations{0};
-
-void* counted(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size ? size : 1)) return p;
-  throw std::bad_alloc();
-}
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted(size);
-}
-void* operator new[](std::size_t size) {
-  return counted(size);
-}
-void operator delete(void* p) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p) noexcept {
-  std::free(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p, std::size_t) noexcept {
-  std::free(p);
-}
+#include "tests/unit/counted_allocations.hpp"
 
 namespace headstock::motion {
 namespace {
 
 TEST(Allocation, TheCounterCounts) {
-  const std::size_t before = allocations;
+  const std::size_t before = thread_allocations;
   int* volatile kept = new int;  // not to be optimised away
   delete kept;
-  EXPECT_GT(allocations, before);
+  EXPECT_GT(thread_allocations, before);
 }
 
 TEST(Allocation, StepDoesNotAllocate) {
@@ -62,7 +31,7 @@ TEST(Allocation, StepDoesNotAllocate) {
   kernel.finish();
   while (kernel.plan()) {
   }
-  const std::size_t before = allocations;
+  const std::size_t before = thread_allocations;
   bool empty = false;
   int periods = 0;
   for (; periods < 100'000 && !empty; ++periods) {
@@ -73,7 +42,7 @@ TEST(Allocation, StepDoesNotAllocate) {
   }
   kernel.abort();
   for (int i = 0; i < 100; ++i) kernel.step({}, 0, 0);
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(thread_allocations, before);
   EXPECT_TRUE(empty);
 }
 

@@ -1,40 +1,8 @@
 // The real-time thread must not allocate: operator new counts while a period is made.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
-
 #include "bench.hpp"
-
-namespace {
-thread_local bool in_period = false;
-thread_local std::uint64_t allocations = 0;
-
-void* counted(std::size_t size) {
-  if (in_period) ++allocations;
-  if (void* p = std::malloc(size)) return p;
-  throw std::bad_alloc();
-}
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted(size);
-}
-void* operator new[](std::size_t size) {
-  return counted(size);
-}
-void operator delete(void* p) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p) noexcept {
-  std::free(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
-}
-void operator delete[](void* p, std::size_t) noexcept {
-  std::free(p);
-}
+#include "tests/unit/counted_allocations.hpp"
 
 namespace headstock::operation {
 namespace {
@@ -47,7 +15,7 @@ TEST(Period, NeverAllocatesWhateverHappens) {
       "O1\nG21 G98\nG50 S2000\nG96 S150 M03\nT0101\nM08\nG00 X40. Z2.\nG01 Z-20. F3000.\nG02 X50. Z-25. R5.\n"
       "G04 P300\nG99 G01 X60. F0.5\nM09\nM05\nM30\n");
   ASSERT_TRUE(bench.start());
-  std::uint64_t moving = 0;
+  std::uint64_t moving = 0, allocated = 0;
   for (int i = 0; i < 40'000; ++i) {
     if (i == 3000 || i == 9000) bench.press(Action::feed_hold);
     if (i == 3500 || i == 9500) bench.start();
@@ -60,12 +28,12 @@ TEST(Period, NeverAllocatesWhateverHappens) {
     bench.commit();
     while (bench.controller.work()) {
     }
-    in_period = true;
+    const auto before = thread_allocations;
     bench.controller.step();
-    in_period = false;
+    allocated += thread_allocations - before;
     moving += bench.controller.sample().moving;
   }
-  EXPECT_EQ(allocations, 0u);
+  EXPECT_EQ(allocated, 0u);
   EXPECT_GT(moving, 1000u);
 }
 
