@@ -65,11 +65,14 @@ function(headstock_program name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 endfunction()
 
-# headstock_test(NAME SOURCES … DEPENDS … LABELS …): a GoogleTest program, every case its own ctest entry.
+# headstock_test(NAME SOURCES … DEPENDS … LABELS … COMPUTES): a GoogleTest program, every case its own ctest entry. What is
+# tested is optimised; the tests themselves only where they compute (a reference, a search).
 function(headstock_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "COMPUTES" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
-  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # what is tested is optimised, the tests need not be
+  if(NOT ARG_COMPUTES)
+    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O0>)
+  endif()
   target_link_libraries(${name} PRIVATE headstock_options ${ARG_DEPENDS} GTest::gtest_main GTest::gmock)
   target_compile_definitions(${name} PRIVATE HEADSTOCK_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     HEADSTOCK_BINARY_DIR="${CMAKE_BINARY_DIR}")
