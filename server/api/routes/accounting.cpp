@@ -59,7 +59,7 @@ int clock_of(const json& text, const char* name) {
   return hour * 60 + minute;
 }
 
-json to_json(const fleet::Calendar& calendar) {
+json shape(const fleet::Calendar& calendar) {
   json shifts = json::array();
   for (const auto& shift : calendar.shifts) {
     json days = json::array();
@@ -98,29 +98,29 @@ fleet::Calendar calendar_of(const Call& call) {
   return calendar;
 }
 
-json to_json(const fleet::DowntimeReason& reason) {
+json shape(const fleet::DowntimeReason& reason) {
   return {{"id", reason.id}, {"name", {{"en", reason.name_en}, {"zh", reason.name_zh}}}, {"planned", reason.planned}};
 }
 
-json to_json(const fleet::DowntimeNote& note) {
+json shape(const fleet::DowntimeNote& note) {
   return {{"id", note.id},          {"machine", note.machine},
           {"from", time_json(note.from_ms)}, {"to", time_json(note.to_ms)},
           {"reason", note.reason ? json(*note.reason) : json(nullptr)}, {"note", note.note},
           {"by", note.by_user},     {"at", time_json(note.at_ms)}};
 }
 
-json to_json(const fleet::Reject& reject) {
+json shape(const fleet::Reject& reject) {
   return {{"id", reject.id},           {"machine", reject.machine}, {"at", time_json(reject.at_ms)},
           {"program", reject.program}, {"quantity", reject.quantity}, {"why", reject.why},
           {"by", reject.by_user},      {"entered", time_json(reject.entered_ms)}};
 }
 
-json to_json(const fleet::Stop& stop) {
+json shape(const fleet::Stop& stop) {
   return {{"from", time_json(stop.from_ms)}, {"to", time_json(stop.to_ms)}, {"state", stop.state},
-          {"open", stop.open},               {"note", stop.note ? to_json(*stop.note) : json(nullptr)}};
+          {"open", stop.open},               {"note", stop.note ? shape(*stop.note) : json(nullptr)}};
 }
 
-json to_json(const fleet::OeeRow& row) {
+json shape(const fleet::OeeRow& row) {
   const auto& figures = row.figures;
   json states = json::object(), reasons = json::array();
   for (std::size_t i = 0; i < fleet::kStates.size(); ++i)
@@ -148,7 +148,7 @@ json to_json(const fleet::OeeRow& row) {
           {"parts_without_ideal", figures.parts_without_ideal}};
 }
 
-json to_json(const fleet::AlarmFigures& alarm) {
+json shape(const fleet::AlarmFigures& alarm) {
   return {{"code", alarm.code},
           {"text", {{"en", alarm.text_en}, {"zh", alarm.text_zh}}},
           {"count", alarm.count},
@@ -160,7 +160,7 @@ json to_json(const fleet::AlarmFigures& alarm) {
 template <class Rows>
 Reply rows_reply(const Rows& rows) {
   json items = json::array();
-  for (const auto& row : rows) items.push_back(to_json(row));
+  for (const auto& row : rows) items.push_back(shape(row));
   return json_reply({{"items", std::move(items)}, {"next", nullptr}});
 }
 
@@ -224,7 +224,7 @@ std::vector<Route> entries(Services& s) {
          const auto actor = actor_of(call);
          const auto kept = co_await s.store.run(
              [&](db::Database& db) { return fleet::note_downtime(db, actor, note, db::now_ms()); });
-         co_return json_reply(to_json(kept), 201);
+         co_return json_reply(shape(kept), 201);
        }});
   routes.push_back({.method = Method::get, .pattern = "/machines/{id}/downtime", .role = Role::viewer,
                     .summary = "All entries of that time, oldest entry first", .response = "DowntimeNotes",
@@ -251,7 +251,7 @@ std::vector<Route> entries(Services& s) {
          const auto actor = actor_of(call);
          const auto kept = co_await s.store.run(
              [&](db::Database& db) { return fleet::note_reject(db, actor, reject, db::now_ms()); });
-         co_return json_reply(to_json(kept), 201);
+         co_return json_reply(shape(kept), 201);
        }});
   routes.push_back({.method = Method::get, .pattern = "/machines/{id}/rejects", .role = Role::viewer,
                     .summary = "Rejected parts of that time", .response = "Rejects", .query = period,
@@ -281,7 +281,7 @@ std::vector<Route> settings(Services& s) {
                     .summary = "The shop's time zone and shifts", .response = "Calendar",
                     .handler = [&s](Call&) -> awaitable<Reply> {
                       co_return json_reply(
-                          to_json(co_await s.store.run([](db::Database& db) { return fleet::read_calendar(db); })));
+                          shape(co_await s.store.run([](db::Database& db) { return fleet::read_calendar(db); })));
                     }});
   routes.push_back({.method = Method::patch, .pattern = "/calendar", .role = role,
                     .summary = "Replace time zone and shifts", .takes = Takes::json, .request = "Calendar",
@@ -293,7 +293,7 @@ std::vector<Route> settings(Services& s) {
                         fleet::write_calendar(db, actor, calendar);
                         return fleet::read_calendar(db);
                       });
-                      co_return json_reply(to_json(kept));
+                      co_return json_reply(shape(kept));
                     }});
   routes.push_back({.method = Method::get, .pattern = "/downtime-reasons", .role = Role::viewer,
                     .summary = "Why machines stand: what can be chosen", .response = "DowntimeReasons",
@@ -309,7 +309,7 @@ std::vector<Route> settings(Services& s) {
                       const auto actor = actor_of(call);
                       const auto kept = co_await s.store.run(
                           [&](db::Database& db) { return fleet::put_downtime_reason(db, actor, reason); });
-                      co_return json_reply(to_json(kept), 201);
+                      co_return json_reply(shape(kept), 201);
                     }});
   routes.push_back({.method = Method::patch, .pattern = "/downtime-reasons/{id}", .role = role,
                     .summary = "Change a reason", .takes = Takes::json, .request = "NewDowntimeReason",
@@ -320,7 +320,7 @@ std::vector<Route> settings(Services& s) {
                       const auto actor = actor_of(call);
                       const auto kept = co_await s.store.run(
                           [&](db::Database& db) { return fleet::put_downtime_reason(db, actor, reason); });
-                      co_return json_reply(to_json(kept));
+                      co_return json_reply(shape(kept));
                     }});
   routes.push_back({.method = Method::del, .pattern = "/downtime-reasons/{id}", .role = role,
                     .summary = "Remove a reason; what was entered with it keeps it", .status = 204,

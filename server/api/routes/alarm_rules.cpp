@@ -16,7 +16,7 @@ using boost::asio::awaitable;
 
 json number_or_null(std::int64_t id) { return id != 0 ? json(id) : json(nullptr); }
 
-json to_json(const db::AlarmRuleRow& rule) {
+json shape(const db::AlarmRuleRow& rule) {
   return {{"id", rule.id},
           {"name", rule.name},
           {"machine", number_or_null(rule.machine)},
@@ -32,7 +32,7 @@ json to_json(const db::AlarmRuleRow& rule) {
           {"enabled", rule.enabled}};
 }
 
-json to_json(const db::AlarmEventRow& event) {
+json shape(const db::AlarmEventRow& event) {
   const auto acknowledged = event.acknowledged_ms
                                 ? json{{"at", time_json(*event.acknowledged_ms)}, {"by", event.acknowledged_by}, {"note", event.acknowledged_note}}
                                 : json(nullptr);
@@ -50,7 +50,7 @@ json to_json(const db::AlarmEventRow& event) {
           {"acknowledged", acknowledged}};
 }
 
-json to_json(const db::NoticeRow& notice) {
+json shape(const db::NoticeRow& notice) {
   return {{"id", notice.id},           {"kind", notice.kind},
           {"step", notice.step},       {"target", notice.target},
           {"state", notice.state},     {"attempts", notice.attempts},
@@ -61,7 +61,7 @@ json to_json(const db::NoticeRow& notice) {
 template <class Rows>
 json alarm_items(const Rows& rows) {
   json items = json::array();
-  for (const auto& row : rows) items.push_back(to_json(row));
+  for (const auto& row : rows) items.push_back(shape(row));
   return items;
 }
 
@@ -91,7 +91,7 @@ db::AlarmRuleRow rule_of(const Call& call, std::int64_t id) {
   return rule;
 }
 
-json to_json(const integrations::MessageSettings& settings) {
+json shape(const integrations::MessageSettings& settings) {
   return {{"mail_url", settings.mail.url},
           {"mail_user", settings.mail.user},
           {"mail_password_set", !settings.mail.password.empty()},
@@ -112,7 +112,7 @@ void rule_routes(Services& s, std::vector<Route>& routes) {
     auto rule = rule_of(call, id);
     const auto actor = actor_of(call);
     rule.id = co_await s.store.run([&](db::Database& db) { return integrations::put_rule(db, actor, rule); });
-    co_return json_reply(to_json(rule), status);
+    co_return json_reply(shape(rule), status);
   };
   routes.push_back({.method = Method::post, .pattern = "/alarm-rules", .role = need, .summary = "A new rule; alarms from now on",
                     .takes = Takes::json, .request = "AlarmRuleChange", .response = "AlarmRule", .status = 201,
@@ -161,7 +161,7 @@ void alarm_event_routes(Services& s, std::vector<Route>& routes) {
                         integrations::acknowledge(db, actor, id, note, db::now_ms());
                         return db::alarm_event(db, id);
                       });
-                      co_return json_reply(to_json(*event));
+                      co_return json_reply(shape(*event));
                     }});
 }
 
@@ -171,7 +171,7 @@ void message_routes(Services& s, std::vector<Route>& routes) {
                     .summary = "Mail server and webhook secret (passwords are never shown)", .response = "MessageSettings",
                     .handler = [&s](Call&) -> awaitable<Reply> {
                       const auto found = co_await s.store.run([](db::Database& db) { return integrations::message_settings(db); });
-                      co_return json_reply(to_json(found));
+                      co_return json_reply(shape(found));
                     }});
   routes.push_back({.method = Method::patch, .pattern = "/settings/messages", .role = need,
                     .summary = "Change them; an empty password or secret keeps the old one", .takes = Takes::json,
@@ -190,7 +190,7 @@ void message_routes(Services& s, std::vector<Route>& routes) {
                         integrations::set_message_settings(db, actor, wanted);
                         return integrations::message_settings(db);
                       });
-                      co_return json_reply(to_json(found));
+                      co_return json_reply(shape(found));
                     }});
   routes.push_back({.method = Method::post, .pattern = "/settings/messages/test", .role = need,
                     .summary = "Send a test message now", .takes = Takes::json, .request = "TestMessage", .response = "TestMessageResult",

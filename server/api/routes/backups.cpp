@@ -18,7 +18,7 @@ namespace {
 using access::Action;
 using boost::asio::awaitable;
 
-json to_json(const db::BackupRow& row) {
+json shape(const db::BackupRow& row) {
   return {{"id", row.id},         {"file", row.file}, {"kind", row.kind}, {"machine", row.machine != 0 ? json(row.machine) : json(nullptr)},
           {"sha256", row.sha256}, {"bytes", row.bytes}, {"by", row.by},   {"at", time_json(row.at_ms)}};
 }
@@ -77,27 +77,27 @@ void making_backups(Services& s, std::vector<Route>& routes) {
                     .response = "Backups", .handler = [&s](Call&) -> awaitable<Reply> {
                       const auto rows = co_await s.store.run([](db::Database& db) { return db::backups(db); });
                       json items = json::array();
-                      for (const auto& row : rows) items.push_back(to_json(row));
+                      for (const auto& row : rows) items.push_back(shape(row));
                       co_return json_reply({{"items", std::move(items)}, {"next", nullptr}});
                     }});
   routes.push_back({.method = Method::post, .pattern = "/backups", .role = need, .summary = "Back up the whole server now, while it runs",
                     .takes = Takes::json, .response = "Backup", .status = 201, .errors = {"backup_running"},
                     .handler = [&s](Call& call) -> awaitable<Reply> {
                       const auto row = co_await s.backups.make_server(actor_of(call));
-                      co_return json_reply(to_json(row), 201);
+                      co_return json_reply(shape(row), 201);
                     }});
   routes.push_back({.method = Method::post, .pattern = "/backups/file", .role = need,
                     .summary = "Bring a backup file; it is checked whole before it is kept", .takes = Takes::bytes,
                     .response = "Backup", .status = 201, .errors = {"damaged_backup", "not_a_backup", "newer_backup", "too_large"},
                     .handler = [&s](Call& call) -> awaitable<Reply> {
                       const auto row = co_await receive_backup(s, call);
-                      co_return json_reply(to_json(row), 201);
+                      co_return json_reply(shape(row), 201);
                     }});
   routes.push_back({.method = Method::post, .pattern = "/machines/{id}/backup", .role = needs(Action::backup_machine),
                     .summary = "Back up everything of one machine now", .takes = Takes::json, .response = "Backup", .status = 201,
                     .handler = [&s](Call& call) -> awaitable<Reply> {
                       const auto row = co_await s.backups.make_machine(actor_of(call), call.id("id"));
-                      co_return json_reply(to_json(row), 201);
+                      co_return json_reply(shape(row), 201);
                     }});
 }
 

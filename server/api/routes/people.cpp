@@ -16,7 +16,7 @@ namespace {
 using access::Action;
 using boost::asio::awaitable;
 
-json to_json(const db::GrantRow& grant) {
+json shape(const db::GrantRow& grant) {
   return {{"machine", grant.machine != 0 ? json(grant.machine) : json(nullptr)},
           {"group", grant.group != 0 ? json(grant.group) : json(nullptr)},
           {"role", grant.role.empty() ? json(nullptr) : json(grant.role)},
@@ -24,11 +24,11 @@ json to_json(const db::GrantRow& grant) {
           {"allow", grant.allow}};
 }
 
-json to_json(const db::GroupRow& group) {
+json shape(const db::GroupRow& group) {
   return {{"id", group.id}, {"name", group.name}, {"machines", group.machines}};
 }
 
-json to_json(const db::ViewTokenRow& row) {
+json shape(const db::ViewTokenRow& row) {
   return {{"id", row.id},
           {"name", row.name},
           {"by", row.by},
@@ -40,7 +40,7 @@ json to_json(const db::ViewTokenRow& row) {
 template <class Row>
 json people_list(const std::vector<Row>& rows) {
   json items = json::array();
-  for (const Row& row : rows) items.push_back(to_json(row));
+  for (const Row& row : rows) items.push_back(shape(row));
   return {{"items", std::move(items)}, {"next", nullptr}};
 }
 
@@ -152,7 +152,7 @@ void group_routes(Services& s, std::vector<Route>& routes) {
     auto group = group_of(call, id);
     const auto actor = actor_of(call);
     group.id = co_await s.store.run([&](db::Database& db) { return access::put_group(db, actor, group); });
-    co_return json_reply(to_json(group), status);
+    co_return json_reply(shape(group), status);
   };
   routes.push_back({.method = Method::post, .pattern = "/machine-groups", .role = need, .summary = "A new group",
                     .takes = Takes::json, .request = "MachineGroupChange", .response = "MachineGroup", .status = 201,
