@@ -51,9 +51,22 @@ void Pipeline::send_entry(Executor& ex, EntryPtr entry) {
 }
 
 void Pipeline::clear() {
-  const std::int64_t number = d_number;
-  *this = Pipeline{};
-  d_number = number;
+  Pipeline empty;
+  empty.d_number = d_number;
+  empty.intake_ = std::move(intake_);  // a block may clear while it emits
+  empty.caller_ = caller_;
+  *this = std::move(empty);
+}
+
+void Pipeline::open_intake(Executor& ex) {
+  if (intake_ == nullptr) intake_ = fresh();
+  caller_ = std::exchange(ex.out, &intake_->op);
+}
+
+void Pipeline::close_intake(Executor& ex) {
+  if (caller_ == nullptr) return;
+  ex.out = std::exchange(caller_, nullptr);
+  if (ex.out_used) *ex.out = std::move(intake_->op);
 }
 
 void Pipeline::activate(const AxisVector& machine_position, const AxisVector& work_position) {
@@ -74,6 +87,13 @@ void Pipeline::close_line(const AxisVector& end_machine, const AxisVector& end_w
   held_->plane_move = comp::length(held_->path.to - held_->path.from) > kNoMove_mm;
   held_->request.open = open_ = false;
   position_ = end_machine;
+}
+
+// Where the next operation goes.
+Operation& Pipeline::place(Executor& ex) {
+  if (ex.out_used) return ex.queue.emplace_back();
+  ex.out_used = true;
+  return *ex.out;
 }
 
 void Pipeline::send(Executor& ex, Operation&& op) {
@@ -136,7 +156,12 @@ void Pipeline::take(Executor& ex) {
     entry->op = std::move(op);
     incoming_.push_back(std::move(entry));
   };
-  if (ex.out_used) come_in(*ex.out);
+  if (caller_ != nullptr) {
+    ex.out = std::exchange(caller_, nullptr);
+    if (ex.out_used) incoming_.push_back(std::move(intake_));
+  } else if (ex.out_used) {
+    come_in(*ex.out);
+  }
   for (std::size_t i = ex.queue_head; i < ex.queue.size(); ++i) come_in(ex.queue[i]);
   ex.queue.clear();
   ex.queue_head = 0;

@@ -95,8 +95,12 @@ class Pipeline {
   /// The plane's axes and the tool of the block being carried out.
   CompensationMode mode_of(const Executor& ex) const;
 
+  /// Before a block: what it emits first is made where it will wait.
+  void open_intake(Executor& ex);
   /// Takes all that the block emitted and gives the Executor what may go on.
   void take(Executor& ex);
+  /// After a block that ended what take() is for.
+  void close_intake(Executor& ex);
 
   std::int64_t d_number = 0;  ///< D in force (mill)
 
@@ -121,7 +125,7 @@ class Pipeline {
   void leave(Executor& ex, EntryPtr entry);
   enum class Closed : std::uint8_t { good, stopped, left_out };
   /// @param next the motion behind the corner; nullptr: none is known
-  Closed close_last(Executor& ex, comp::Vectors end, const Entry* next);
+  Closed close_last(Executor& ex, comp::Vectors& end, const Entry* next);
   Closed leave_out(Executor& ex, const Entry& next);
   // type C (pipeline_in_place.cpp)
   bool in_place(const Executor& ex) const;
@@ -141,13 +145,14 @@ class Pipeline {
     std::uint64_t version = 0;
     comp::OffsetRules offset;
     bool diameter = false, type_c = false, checks_lines = false, checks_arcs = false, avoids = false;
-    bool stops = false;
+    bool stops = false, one_value = false;
     double near_mm = 0;
     int read_ahead = 3;
   };
   const Settings& settings(const Executor& ex) const;
 
   void send(Executor& ex, Operation&& op);
+  Operation& place(Executor& ex);
   void raise(Executor& ex, dialects::AlarmReason reason, const SourcePosition& at, std::uint32_t column,
              std::string detail);
 
@@ -156,6 +161,8 @@ class Pipeline {
   bool stopped_ = false;   ///< an alarm was raised here
   AxisVector position_{};  ///< end of the last motion read, as programmed
   std::vector<EntryPtr> incoming_, spare_;
+  EntryPtr intake_;
+  Operation* caller_ = nullptr;  ///< where Executor::out pointed before open_intake()
 
   mutable Settings settings_;
 

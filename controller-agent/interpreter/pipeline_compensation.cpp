@@ -45,10 +45,11 @@ CompensationMode Pipeline::mode_of(const Executor& ex) const {
   mode.wanted = number > 0;
   if (!mode.wanted || number >= static_cast<std::int64_t>(ex.data.tools.size())) return mode;
   const ToolOffset& tool = ex.data.tools[static_cast<std::size_t>(number)];
-  const double value = rules.by_d ? tool_offset::radius_value(ex, number) : tool.radius + tool.radius_wear;
+  const Settings& set = settings(ex);
+  const double value = set.one_value ? tool_offset::length_value(ex, number) : tool.radius + tool.radius_wear;
   // In a plane that is mirrored the tool is on the other side, as arcs turn the other way.
   const int side = ex.transform.reverses(mode.first, mode.second) ? -side_ : side_;
-  mode.radius = side * (settings(ex).diameter ? value / 2 : value);
+  mode.radius = side * (set.diameter ? value / 2 : value);
   if (ex.dialect.tools.lathe && tool.tip > 0 && tool.tip < 9 &&
       (rules.tips_in_all_planes || ex.plane == Plane::zx)) {
     mode.tip = kTips[tool.tip] * std::fabs(mode.radius);
@@ -73,6 +74,7 @@ const Pipeline::Settings& Pipeline::settings(const Executor& ex) const {
   s.checks_lines = s.checks_arcs && !data.bit(rules.arcs_only_parameter);
   s.avoids = data.bit(rules.avoid_parameter);
   s.stops = data.bit(rules.stop_parameter);
+  s.one_value = rules.by_d && tool_offset::one_value(ex);
   s.near_mm = std::max(data.parameter(rules.near_parameter, kNearVectors_mm), kNearVectors_mm);
   const double ahead = data.parameter(rules.read_ahead_parameter, kReadAhead);
   s.read_ahead = ahead >= 3 && ahead <= 8 ? static_cast<int>(ahead) : kReadAhead;
@@ -252,7 +254,7 @@ void Pipeline::leave(Executor& ex, EntryPtr entry) {
 }
 
 // The end of `last_` is known now: it is checked, the one before it goes out, and it becomes `previous_`.
-Pipeline::Closed Pipeline::close_last(Executor& ex, Vectors end, const Entry* next) {
+Pipeline::Closed Pipeline::close_last(Executor& ex, Vectors& end, const Entry* next) {
   const Settings& set = settings(ex);
   const bool checked = last_->role == PipelineKnown::Role::body && !last_->free_start &&
                        (last_->path.arc ? set.checks_arcs : set.checks_lines);
@@ -308,12 +310,13 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
   }
   // Moved on first, displaced there: what was only just written is slow to move.
   const bool to_caller = !ex.out_used;
-  const std::size_t place = ex.queue.size();
+  const std::size_t index = ex.queue.size();
+  const auto sent = [&]() -> Operation& { return to_caller ? *ex.out : ex.queue[index]; };  // the queue may grow
   send(ex, std::move(previous_->op));
   has_previous_ = false;
-  displace(ex, *motion_in(to_caller ? *ex.out : ex.queue[place]), mode, first);
+  displace(ex, *motion_in(sent()), mode, first);
   const bool stops = settings(ex).stops;
-  std::uint32_t part = motion_in(to_caller ? *ex.out : ex.queue[place])->at.part;
+  std::uint32_t part = motion_in(sent())->at.part;
 
   const Point tip = mode.tip;
   for (std::size_t i = 1; i < corner_.count; ++i) {
@@ -326,10 +329,9 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
       move.from = move.from + tip;
       move.to = move.to + tip;
     }
-    const Motion& like = *motion_in(to_caller ? *ex.out : ex.queue[place]);
-    Operation made = motion_along(ex, like, mode, to, move, speed);
+    Operation& made = place(ex);
+    put_motion(ex, made, *motion_in(sent()), mode, to, move, speed);
     if (stops) motion_in(made)->at.part = ++part;
-    send(ex, std::move(made));
   }
   kept_ = corner_.last();
   kept_mode_ = mode;
@@ -342,7 +344,7 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
 void Pipeline::settle_here(Executor& ex) {
   if (has_last_) {
     const double r = last_->mode.radius;
-    const Vectors normal = comp::single(last_->vector.given ? comp::normal_of(last_->vector.direction, r)
+    Vectors normal = comp::single(last_->vector.given ? comp::normal_of(last_->vector.direction, r)
                                                             : comp::normal_at_end(last_->path, r));
     if (close_last(ex, normal, nullptr) == Closed::stopped) return;
   }
