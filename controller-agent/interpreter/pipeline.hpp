@@ -116,27 +116,27 @@ class Pipeline {
   void recycle(EntryPtr entry);
   void describe(const Executor& ex, Entry& entry);
   // stage 1 (pipeline.cpp)
-  void corners(Executor& ex, EntryPtr entry);
-  void meet_corner(Executor& ex, EntryPtr next);
+  void corners(Executor& ex, EntryPtr&& entry);
+  void meet_corner(Executor& ex, EntryPtr&& next);
   // stage 2 (pipeline_compensation.cpp)
-  void compensate(Executor& ex, EntryPtr entry);
+  void compensate(Executor& ex, EntryPtr&& entry);
   void quiet_block(Executor& ex);
-  void follow(Executor& ex, EntryPtr entry);
-  void leave(Executor& ex, EntryPtr entry);
+  void follow(Executor& ex, EntryPtr&& entry);
+  void leave(Executor& ex, EntryPtr&& entry);
   enum class Closed : std::uint8_t { good, stopped, left_out };
   /// @param next the motion behind the corner; nullptr: none is known
   Closed close_last(Executor& ex, comp::Vectors& end, const Entry* next);
   Closed leave_out(Executor& ex, const Entry& next);
   // type C (pipeline_in_place.cpp)
-  bool in_place(const Executor& ex) const;
+  bool in_place() const { return settings_.type_c; }
   void step_onto_vector(Executor& ex, const Entry& entry);
   void step_off_vector(Executor& ex);
   /// @param next its feed is that of the corner's moves; nullptr: that of the block itself
   void release_previous(Executor& ex, const Entry* next);
   void settle_here(Executor& ex);
   void abandon(Executor& ex);
-  void send_displaced(Executor& ex, EntryPtr entry);
-  void send_entry(Executor& ex, EntryPtr entry);
+  void send_displaced(Executor& ex, EntryPtr&& entry);
+  void send_entry(Executor& ex, EntryPtr&& entry);
   void displace(const Executor& ex, Motion& motion, const CompensationMode& mode, comp::Point by) const;
   void send_corner(Executor& ex, const Entry& block, const comp::Vectors& vectors);
   /// What parameters say about compensation: read once for each state of the machine data.
@@ -149,7 +149,8 @@ class Pipeline {
     double near_mm = 0;
     int read_ahead = 3;
   };
-  const Settings& settings(const Executor& ex) const;
+  /// At the head of take(), so that `settings_` holds below it.
+  const Settings& read_settings(const Executor& ex) const;
 
   void send(Executor& ex, Operation&& op);
   Operation& place(Executor& ex);

@@ -150,7 +150,9 @@ TEST(Threading, ArcsTouchTheThreadAndNeverCutBelowIt) {
       ASSERT_GT(above(here), -1e-9) << "below the thread";
       const double du = std::fabs(here.u - from.u), dv = std::fabs(here.v - from.v), l = std::hypot(du, dv);
       const double on_path = move.lead_mm * l / std::max(du, dv);  // a turn of the spindle, along the path
-      if (cuts > 1) ASSERT_NEAR(on_path, speed, 1e-9);
+      if (cuts > 1) {
+        ASSERT_NEAR(on_path, speed, 1e-9);
+      }
       speed = on_path;
       if (move.run_up_mm == 0) {
         on_thread = true;
