@@ -59,6 +59,7 @@ const char* const kMillRapid = "O1\nG90 G94 G21\nG00 X80.\nM30\n";
 const char* const kMillCut = "O1\nG90 G94 G21\nG01 X60. F3000.\nM30\n";
 const char* const kMillAhead = "O1\nG90 G94 G21\nG05.1 Q1\nG01 X60. F3000.\nG05.1 Q0\nM30\n";
 const char* const kLatheRapid = "O1\nG98 G21\nG00 W-80.\nM30\n";
+const char* const k200Cut = "N10 G01 W-60 F3000\nN20 M02\n";
 const char* const kLatheCut = "O1\nG98 G21\nG01 W-60. F3000.\nM30\n";
 
 const AccelerationCase kAccelerationCases[] = {
@@ -112,7 +113,7 @@ const AccelerationCase kAccelerationCases[] = {
      1000,
      500},
     {"K2000TC cutting", "k2000tc", {{"P6430", 30}, {"P6431", 60}}, kLatheCut, 500, 1000},
-    {"200T", "lathe-200t", {{"AX2.2", 200}}, kLatheCut, 500, 500},
+    {"200T", "lathe-200t", {{"AX2.2", 200}}, k200Cut, 500, 500},
 };
 
 class Acceleration : public testing::TestWithParam<AccelerationCase> {};
@@ -120,8 +121,8 @@ class Acceleration : public testing::TestWithParam<AccelerationCase> {};
 TEST_P(Acceleration, IsThatOfTheParameter) {
   const AccelerationCase& one = GetParam();
   const Greatest greatest = greatest_of(one.profile, one.parameters, one.program);
-  EXPECT_NEAR(greatest.up, one.up, 0.012 * one.up) << one.what;
-  EXPECT_NEAR(greatest.down, one.down, 0.012 * one.down) << one.what;
+  EXPECT_NEAR(greatest.up, one.up, 0.03 * one.up) << one.what;
+  EXPECT_NEAR(greatest.down, one.down, 0.03 * one.down) << one.what;
 }
 
 INSTANTIATE_TEST_SUITE_P(Controllers, Acceleration, testing::ValuesIn(kAccelerationCases));

@@ -181,9 +181,9 @@ CornerSpeeds run_pocket(const std::map<std::string, double, std::less<>>& parame
       [&] {
         const motion::Sample& sample = bench.controller.sample();
         // On the way along X before the corner at X40.
-        if (sample.position[0] > 33 && sample.position[0] < 36 && sample.position[1] < 1)
+        if (sample.position[0] > 33 && sample.position[0] < 36 && sample.position[1] < 2)
           speeds.at_corner = std::max(speeds.at_corner, sample.path_speed_mm_s);
-        if (sample.position[0] > 15 && sample.position[0] < 25 && sample.position[1] < 1)
+        if (sample.position[0] > 15 && sample.position[0] < 25 && sample.position[1] < 2)
           speeds.before = std::max(speeds.before, sample.path_speed_mm_s);
         return bench.periods > 10 && bench.state() != State::running;
       },
