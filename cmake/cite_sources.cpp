@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <string>
@@ -74,13 +75,20 @@ bool is_numbered(std::string_view after) {
   return i < after.size() && after[i] == '"';
 }
 
-void scan_reasons(std::string_view text, Found& found) {
+// …, nor is one reason paired with another whose number it takes over: `{R::scale_value, R::value_range}`.
+std::string without_pairs(std::string_view text) {
+  static const std::regex pair(R"(\{\s*(AlarmReason|R)::\w+,\s*(AlarmReason|R)::\w+\s*\})");
+  return std::regex_replace(std::string(text), pair, "{}");
+}
+
+void scan_reasons(std::string_view whole, Found& found) {
+  const std::string text = without_pairs(whole);
   for (const std::string_view prefix : {std::string_view("AlarmReason::"), std::string_view("R::"), std::string_view("Fault::")}) {
     for (std::size_t at = text.find(prefix); at != text.npos; at = text.find(prefix, at + 1)) {
       if (at != 0 && name_character(text[at - 1])) continue;
       std::size_t end = at + prefix.size();
       while (end < text.size() && name_character(text[end])) ++end;
-      if (!is_numbered(text.substr(end))) {
+      if (!is_numbered(std::string_view(text).substr(end))) {
         found.raised.emplace(text.substr(at + prefix.size(), end - at - prefix.size()));
       }
     }

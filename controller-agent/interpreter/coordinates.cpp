@@ -1,5 +1,7 @@
 // Coordinate systems: setting, local, selection, and moves in machine coordinates.
+#include <algorithm>
 #include <bit>
+#include <iterator>
 
 #include "interpreter/executor.hpp"
 #include "interpreter/handlers.hpp"
@@ -18,6 +20,19 @@ bool for_axis_words(Executor& ex, const Apply& apply) {
     if (!apply(axis, ex.axis_value(word, ex.axes[axis]), by, word)) return false;
   }
   return true;
+}
+
+// P belongs to another code of the block: a dwell, G10, a reference point, a skip, G53, or a call.
+bool p_is_taken(const Executor& ex) {
+  constexpr std::int16_t kTakeP[] = {40, 100, 300, 310, 530};
+  if (ex.action != nullptr &&
+      std::find(std::begin(kTakeP), std::end(kTakeP), ex.action->tenths) != std::end(kTakeP))
+    return true;
+  for (std::size_t i = 0; i < ex.block.m_count; ++i) {
+    const dialects::MAction what = ex.dialect.m_action(ex.block.m[i].tenths / 10);
+    if (what == dialects::MAction::call || what == dialects::MAction::return_) return true;
+  }
+  return false;
 }
 
 double to_slide(const Executor& ex, std::size_t axis, std::int64_t value) {
@@ -103,7 +118,8 @@ bool work_select(Executor& ex) {
   const bool may_be_extra = extra_code || (ex.code->tenths == 540 && ex.table->find(541) != nullptr);
   bool extra = extra_code;
   std::size_t index = extra_code ? 0 : static_cast<std::size_t>((ex.code->tenths - 540) / 10);
-  if (may_be_extra && ex.block.has('P') && ex.block.m_count == 0) {
+  if (may_be_extra && ex.block.has('P') && (extra_code || !p_is_taken(ex))) {
+    if (p_is_taken(ex)) return ex.alarm(AlarmReason::work_number, ex.block['P'].column, "P");  // 0i-D L7080
     const std::int64_t p = ex.whole('P', AlarmReason::work_number);
     if (p < 0) return false;
     if (p < 1 || p > 48)

@@ -178,7 +178,7 @@ bool data_input(Executor& ex) {
   };
   const program::Block& b = ex.block;
   const bool lathe = ex.dialect.tools.lathe;
-  std::int64_t l = lathe ? 10 : -1;
+  std::int64_t l = lathe ? 10 : tool_offset::one_value(ex) ? 1 : -1;  // memory A: as it is punched (L35127)
   if (b.has('L')) {
     l = ex.whole('L', AlarmReason::data_input);
     if (l < 0) return false;

@@ -214,12 +214,15 @@ Executor::Step Executor::read_block() {
     if (frame.at_start) frame.number = at.program = block.number;
   }
   const bool empty = (block.words | block.marked | block.g_count | block.m_count) == 0;
-  if (restarting && restart_reached(block.has_sequence, block.sequence, !empty)) {
+  const bool bare =
+      empty && (block.has_number || block.has_sequence);  // O or N alone is a block (0i-D L31468)
+  if (restarting && restart_reached(block.has_sequence, block.sequence, !empty || bare)) {
     frame.rest = line_begin + place.within;  // read again by the next pull
     return Step::done;
   }
   if (!empty || block.has_sequence) frame.at_start = false;
   frame.macro.last = nullptr;
+  if (bare && data_input.line == nullptr) ++at.block;
   if (!empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;
   run_block(empty, block.has_sequence, block.sequence);
   return Step::done;

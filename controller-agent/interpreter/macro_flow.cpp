@@ -12,6 +12,16 @@ using macro::Status;
 
 namespace {
 
+// The text of a block before its `;`.
+std::string_view without_end(std::string_view text) {
+  bool comment = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == ';' && !comment) return text.substr(0, i);
+    if (text[i] == '(' || text[i] == ')') comment = text[i] == '(';
+  }
+  return text;
+}
+
 double eight_digits(double value) {
   if (value == 0 || macro::is_null(value)) return value;
   const double scale = std::pow(10, 7 - std::floor(std::log10(std::fabs(value))));
@@ -141,7 +151,8 @@ Executor::Step Executor::carry_out(CompiledBlock& c) {
     go_on_at({c.next_line, 0});
     return Step::done;
   }
-  if (restarting && restart_reached(c.has_sequence, c.sequence, !c.is_empty && !c.is_statement)) {
+  const bool bare = c.is_empty && (c.has_number || c.has_sequence);  // O or N alone is a block (0i-D L31468)
+  if (restarting && restart_reached(c.has_sequence, c.sequence, (!c.is_empty && !c.is_statement) || bare)) {
     frame.macro.next = &c;
     return Step::done;
   }
@@ -176,6 +187,7 @@ Executor::Step Executor::carry_out(CompiledBlock& c) {
     return Step::done;
   }
   go_on_after(c);
+  if (bare && data_input.line == nullptr) ++at.block;
   if (!c.is_empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;
   run_block(c.is_empty, c.has_sequence, c.sequence);
   return Step::done;
@@ -394,7 +406,9 @@ Result Executor::find_loop_end(CompiledBlock& c) {
         return Result::failed(AlarmReason::macro_loop_end);
       const bool skipped = (head.skip & switches.block_skip) != 0;
       const int mark =
-          skipped ? 0 : macro::loop_mark({head.body, static_cast<std::size_t>(head.rest - head.body)});
+          skipped
+              ? 0
+              : macro::loop_mark(without_end({head.body, static_cast<std::size_t>(head.rest - head.body)}));
       if (mark > 0) {
         open.push_back(mark);
         if (open.size() > 64) return Result::failed(AlarmReason::macro_loop_end);

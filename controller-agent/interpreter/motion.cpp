@@ -142,6 +142,25 @@ bool Executor::settle_both_forms(std::uint32_t mask) {
   return true;
 }
 
+namespace {
+
+// G90 and G91 in one block: each counts for the words behind it (0i-D L29783). @return whether the word at
+// `column` is incremental; `otherwise` where the block has not both.
+bool incremental_at(const program::Block& block, std::uint32_t column, bool otherwise) {
+  constexpr std::int16_t kAbsolute = 900, kIncremental = 910;
+  const program::Code* last = nullptr;
+  bool both[2] = {};
+  for (std::size_t i = 0; i < block.g_count; ++i) {
+    const program::Code& one = block.g[i];
+    if (one.tenths != kAbsolute && one.tenths != kIncremental) continue;
+    both[one.tenths == kIncremental ? 1 : 0] = true;
+    if (last == nullptr || one.column < column) last = &one;
+  }
+  return both[0] && both[1] ? last->tenths == kIncremental : otherwise;
+}
+
+}  // namespace
+
 bool Executor::take_targets(std::uint32_t& moved) {
   moved = pending_axes;
   std::uint32_t mask = block.words & axis_letters;
@@ -150,6 +169,8 @@ bool Executor::take_targets(std::uint32_t& moved) {
     mask = block.words & axis_letters;
   }
   if (polar.on && mask != 0 && !take_polar(mask, moved)) return false;
+  const bool both_modes =
+      block.g_count > 1 && table->find(910) != nullptr;  // a control without G91 has cycles there
   for (; mask != 0; mask &= mask - 1) {
     const auto letter = static_cast<unsigned>(std::countr_zero(mask));
     const program::Word& word = block.word[letter];
@@ -167,7 +188,8 @@ bool Executor::take_targets(std::uint32_t& moved) {
     if (value > most || value < -most) {
       return alarm(AlarmReason::value_range, word.column, std::string(1, static_cast<char>('A' + letter)));
     }
-    const bool by = incremental || (incremental_letters >> letter & 1u) != 0;
+    const bool written_by = both_modes ? incremental_at(block, word.column, incremental) : incremental;
+    const bool by = written_by || (incremental_letters >> letter & 1u) != 0;
     if (by && increment_limit[index] > 0 &&
         std::fabs(static_cast<double>(value)) / 1e9 > increment_limit[index]) {
       return alarm(AlarmReason::increment_limit, word.column,

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int16_t kLeft = 411, kRight = 421;
 constexpr double kSameAngle_deg = 1e-4;
-constexpr double kNoMove_mm = 1e-6;
+constexpr double kNoTurnMove_mm = 1e-6;
 constexpr double kFastest_deg_min = 15'000;
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -120,7 +120,7 @@ bool NormalDirection::turn(const Executor& ex, Operation& move) {
     size = 2 * arc->radius_mm;
   }
   bool alone = false;
-  if (size > kNoMove_mm && size >= least_mm_ && !to_machine) {
+  if (size > kNoTurnMove_mm && size >= least_mm_ && !to_machine) {
     const double ahead = motion.modal.g[group_of(ex)] == kLeft ? 90 : -90;
     const double by = std::remainder(first_deg + ahead - angle_deg_, 360.0);
     if (std::fabs(by) > kSameAngle_deg) {

@@ -207,6 +207,7 @@ class Scanner {
     if (*at_ == '#' || *at_ == '[' || (at_ + 1 < end_ && *at_ == '-' && (at_[1] == '#' || at_[1] == '['))) {
       return read_expression(letter, out);
     }
+    if (begins_function()) return read_expression(letter, out);
     if (*at_ == '-' || *at_ == '+') {
       out.negative = *at_ == '-';
       ++at_;
@@ -238,6 +239,15 @@ class Scanner {
     out.word.digit_count = static_cast<std::uint8_t>(count);
     out.word.point = point;
     return true;
+  }
+
+  // `X-SQRT[#3]`: a function needs no brackets around it (0i-D L39842).
+  bool begins_function() const {
+    if (rules_.expressions == nullptr || !rules_.expressions->compiles()) return false;
+    const char* at = at_ + (*at_ == '-' ? 1 : 0);
+    const char* begin = at;
+    while (at < end_ && kind_of(*at) == Kind::letter) ++at;
+    return at - begin > 1 && at < end_ && *at == '[';
   }
 
   bool read_expression(const char* letter, Number& out) {
