@@ -148,6 +148,7 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   finished = false;
   jumps = idle_jumps = 0;
   restarting = false;
+  modal_memory.forget();
   at = {};
   tool_life::begin_run(*this);
   data_input = {};
@@ -245,10 +246,11 @@ void Executor::load_variables() {
   macros->common_version = data.version;
 }
 
-void Executor::reset(const AxisVector& machine_position) {
+void Executor::reset(const AxisVector& machine_position, std::uint32_t first_block_left) {
   leave_program();
   queue.clear();
   queue_head = 0;
+  if (first_block_left != 0) modal_memory.back_to(*this, first_block_left);
   cancel_compensation();
   cycle.clear();
   interruption.enabled = false;

@@ -25,6 +25,7 @@
 #include "interpreter/machine_data.hpp"
 #include "interpreter/macro_state.hpp"
 #include "interpreter/mirror_setting.hpp"
+#include "interpreter/modal_memory.hpp"
 #include "interpreter/normal_direction.hpp"
 #include "interpreter/own_language.hpp"
 #include "interpreter/pipeline.hpp"
@@ -111,7 +112,7 @@ struct Executor {
   bool restart_reached(bool has_sequence, std::uint32_t sequence, bool counted);
   void keep_data_of_broken_run();
   void sample(const Operation& passed);
-  void reset(const AxisVector& machine_position);
+  void reset(const AxisVector& machine_position, std::uint32_t first_block_left);
   void set_position(const AxisVector& machine_position);
   void cancel_compensation();
   AxisVector to_work(const AxisVector& machine_position, const ModalSnapshot& under) const;
@@ -472,6 +473,7 @@ struct Executor {
   bool finished = true;
 
   NormalDirection normal_direction;  ///< G41.1/G42.1
+  ModalMemory modal_memory;          ///< what RESET goes back to
   // ---- chamfers, corner rounds, G41/G42
   Pipeline pipeline;
   std::array<std::int64_t, 2>

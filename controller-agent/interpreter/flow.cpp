@@ -222,6 +222,7 @@ Executor::Step Executor::read_block() {
   }
   if (!empty || block.has_sequence) frame.at_start = false;
   frame.macro.last = nullptr;
+  if (!empty) modal_memory.before_block(*this);
   if (bare && data_input.line == nullptr) ++at.block;
   if (!empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;
   run_block(empty, block.has_sequence, block.sequence);

@@ -64,8 +64,8 @@ const RestartState& Interpreter::restart_state() const {
 Pull Interpreter::next(Operation& out) {
   return executor_->next_on_machine(out);
 }
-void Interpreter::reset(const AxisVector& machine_position) {
-  executor_->reset(machine_position);
+void Interpreter::reset(const AxisVector& machine_position, std::uint32_t first_block_left) {
+  executor_->reset(machine_position, first_block_left);
 }
 void Interpreter::set_position(const AxisVector& machine_position) {
   executor_->set_position(machine_position);

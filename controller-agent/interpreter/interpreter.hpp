@@ -114,7 +114,9 @@ class Interpreter {
 
   /// The controller's RESET: modal state as its parameters say; the program is left. Position: where the axes
   /// stand.
-  void reset(const AxisVector& machine_position);
+  /// @param first_block_left number (SourcePosition::block) of the first block that has not been carried out whole:
+  /// what it and all behind it have changed is taken back first (0i-D K.32.1). 0: everything was carried out.
+  void reset(const AxisVector& machine_position, std::uint32_t first_block_left = 0);
 
   /// Where the axes really stand, when a move did not end as programmed (skip, manual intervention, abort).
   void set_position(const AxisVector& machine_position);

@@ -187,6 +187,7 @@ Executor::Step Executor::carry_out(CompiledBlock& c) {
     return Step::done;
   }
   go_on_after(c);
+  if (!c.is_empty) modal_memory.before_block(*this);
   if (bare && data_input.line == nullptr) ++at.block;
   if (!c.is_empty && own && own->take_block(*this) == OwnLanguage::Taken::done) return Step::done;
   run_block(c.is_empty, c.has_sequence, c.sequence);

@@ -24,6 +24,7 @@ Pull Executor::restart(std::unique_ptr<program::Source> main, const AxisVector& 
 // Before a block is carried out. @return true: it is the one, and is left for the next pull.
 bool Executor::restart_reached(bool has_sequence, std::uint32_t sequence, bool counted) {
   RestartRun& run = restart_run;
+  if (cycle.watch != nullptr) return false;  // a block of a profile is carried out by its cycle only
   if (run.point.block != 0) {
     run.reached = counted && at.block + 1 == run.point.block;
   } else if (has_sequence && sequence == run.point.sequence) {

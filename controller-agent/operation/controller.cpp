@@ -353,6 +353,8 @@ CommandResult Controller::Impl::start_run(Selection& chosen, const interp::Resta
   await = Await::nothing;
   has_operation = anything_moved = false;
   last_block = {};
+  done_block = reset_block = 0;
+  tag_before_run = tags.newest();
   main_offset = wait_since_period = 0;
   brought_to_end = false;
   run_periods_base = realtime.state().run_periods;

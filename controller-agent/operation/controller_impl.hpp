@@ -167,6 +167,8 @@ struct Controller::Impl {
   void restart_found();
   bool next_approach();
   void mark_breakpoint();  ///< while a run is open
+  interp::SourcePosition block_under_way();
+  std::uint32_t first_block_left();
 
   // ---- interruption.cpp: M96
   bool wait_for_interruption();
@@ -250,6 +252,9 @@ struct Controller::Impl {
   bool new_block = false;             // the operation taken up begins a block
   bool calculating = false;           // a macro goes on with its calculation as soon as others had the lock
   interp::SourcePosition last_block;  // of the last operation taken up; line 0: none
+  std::uint32_t done_block = 0;       // of the last function of this run that is done
+  std::uint64_t tag_before_run = 0;   // newest tag when this run began
+  std::uint32_t reset_block = 0;      // what the next RESET takes back begins here; 0: nothing
   std::shared_ptr<TextWindow> main_window;
   std::uint32_t main_program = 0;
   std::uint64_t main_offset = 0;

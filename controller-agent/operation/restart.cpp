@@ -133,17 +133,33 @@ bool Controller::Impl::next_approach() {
   return true;
 }
 
+// The block that is being carried out, or was carried out last.
+interp::SourcePosition Controller::Impl::block_under_way() {
+  const RealtimeState& now = realtime.state();
+  const bool traced = feed.last_tag() == 0 || (now.sample.tag == feed.last_tag() && now.sample.queue_empty);
+  const bool between = await != Await::nothing && await != Await::block_stop && !now.sample.moving && traced;
+  return between || feed.last_tag() == 0 ? last_block : tags.find(now.sample.tag).at;
+}
+
 /// What is being carried out now, for the disk.
 void Controller::Impl::mark_breakpoint() {
   if (run_mode != Mode::memory || restarting.found || await == Await::search || !restarting.approach.empty())
     return;
-  const RealtimeState& now = realtime.state();
-  const bool traced = feed.last_tag() == 0 || (now.sample.tag == feed.last_tag() && now.sample.queue_empty);
-  const bool between = await != Await::nothing && await != Await::block_stop && !now.sample.moving && traced;
-  const SegmentState& segment = tags.find(now.sample.tag);
-  const interp::SourcePosition& at = between || feed.last_tag() == 0 ? last_block : segment.at;
+  const interp::SourcePosition at = block_under_way();
   if (at.block == 0) return;
   retained.breakpoint = {selection.name, selection.revision_hash, at.block, at.sequence, at.line};
+}
+
+// What RESET takes back begins with this block (0i-D K.32.1): the one under way, or the one behind all that is done.
+std::uint32_t Controller::Impl::first_block_left() {
+  const motion::Sample& sample = realtime.state().sample;
+  const std::uint32_t traced = sample.tag > tag_before_run ? tags.find(sample.tag).at.block : 0;
+  const AxisVector& left = sample.distance_to_go;
+  if (sample.moving || std::any_of(left.begin(), left.end(), [](double d) { return d != 0; }))
+    return std::max(traced, 1u);
+  const bool in_function = await == Await::function || await == Await::dwell || await == Await::tap;
+  if (in_function && last_block.block != 0) return last_block.block;
+  return std::max(traced, done_block) + 1;
 }
 
 }  // namespace headstock::operation

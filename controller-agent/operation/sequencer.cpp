@@ -1,5 +1,6 @@
 // The look-ahead: pulls canonical operations, turns moves into segments of the kernel, and lets happen
 // between the moves what has to happen between them. Waits are states, never blocking calls.
+#include <algorithm>
 #include <cmath>
 #include <thread>
 #include <utility>
@@ -290,6 +291,7 @@ void Controller::Impl::count_due_part() {
 }
 
 void Controller::Impl::interlude_done() {
+  done_block = std::max(done_block, last_block.block);
   switch (std::exchange(await, Await::nothing)) {
     case Await::function:
     case Await::standstill:
@@ -323,6 +325,7 @@ void Controller::Impl::interlude_done() {
       realtime.running = false;
       raise(pending_alarm.code, pending_alarm.detail, pending_alarm.at, raised_here);
       finish_run("alarm");
+      reset_block = 0;  // all that was handed out has been carried out
       return;
     case Await::end:
       end_program();
@@ -376,6 +379,7 @@ void Controller::Impl::end_program() {
 void Controller::Impl::finish_run(const char* outcome) {
   if (!std::exchange(run_open, false)) return;
   mark_breakpoint();
+  reset_block = std::string_view(outcome) == "completed" ? 0 : first_block_left();
   if (run_mode == Mode::memory && std::string_view(outcome) == "completed") retained.breakpoint = {};
   const RealtimeState& now = realtime.state();
   emit(RunEnded{retained.last_run, outcome,
@@ -397,7 +401,7 @@ void Controller::Impl::after_abort() {
   }
   kernel.set_position(position);
   feed.set_position(position);
-  interpreter.reset(position);
+  interpreter.reset(position, std::exchange(reset_block, 0));
   realtime.hold = false;
   realtime.running = false;
   set_since = now.periods;

@@ -65,7 +65,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   if (!parameter.empty()) data.parameters[std::string(parameter)] = 1;
   switches.lenient = (bytes[1] & 0x10) != 0;
   switches.block_skip = bytes[1] & 0x20 ? 0x3fe : 0;
-  switches.most_jumps = 20'000;
+  switches.most_jumps = 4'000;
   Running running;
   if ((bytes[1] & 0x40) != 0) interpreter.set_environment(&running);
   interpreter.set_switches(switches);

@@ -11,10 +11,9 @@ namespace headstock::dialects {
 
 Dialect make_gsk_2000tc() {
   using program::letters;
-  using R = AlarmReason;
   Dialect d = gsk::family();
   d.profile = "gsk-2000tc";
-  d.set_alarm_code(R::too_many_m, "135");  // L972
+  d.set_alarm_code(AlarmReason::too_many_m, "135");  // L972
   static constexpr OwnHandler kOwn[] = {{"stroke_zone_on", Phase::action, gsk::stroke_zone_on},
                                         {"stroke_zone_off", Phase::action, gsk::stroke_zone_off},
                                         {"h_code", Phase::action, gsk::run_h_code_2000tc}};

@@ -10,13 +10,12 @@ namespace headstock::dialects {
 
 Dialect make_gsk_218t() {
   using program::letters;
-  using R = AlarmReason;
   Dialect d = gsk::family();
   d.profile = "gsk-218t";
-  for (const auto& [reason, code] : {std::pair{R::g_same_group, "131"},
-                                     {R::g_one_shot_and_motion, "131"},
-                                     {R::too_many_m, "129"},
-                                     {R::dwell_words, "168"}})
+  for (const auto& [reason, code] : {std::pair{AlarmReason::g_same_group, "131"},
+                                     {AlarmReason::g_one_shot_and_motion, "131"},
+                                     {AlarmReason::too_many_m, "129"},
+                                     {AlarmReason::dwell_words, "168"}})
     d.set_alarm_code(reason, code);
   static constexpr OwnHandler kOwn[] = {{"h_code", Phase::action, gsk::run_h_code_218t}};
   add_g_codes(d, tables::gcodes_gsk_218t, kOwn);

@@ -218,5 +218,50 @@ TEST(Examples, ASequenceNumberIsSearchedInItsOwnProgram) {
   EXPECT_EQ(std::get<Alarm>(bench.operation).code, "PS0078");
 }
 
+// K.32.1, L80583: RESET takes back what was read and not carried out.
+TEST(Reset, TakesBackWhatWasReadAndNotCarriedOut) {
+  for (const bool whole : {false, true}) {
+    ExampleBench bench;
+    bench.data.work[0][0] = 10;
+    bench.data.work[1][0] = 200;
+    bench.start(
+        "G90 G94 G21 G54 G17\nG01 X1. F100.\nG91 G55 G18 G96 S50\nG43 H1 Z0\nG52 X5.\nG20 X1. F3.\nG00 "
+        "X2.\nM30\n");
+    ASSERT_EQ(bench.next(), Pull::operation);
+    const std::uint32_t moved = bench.at().block;
+    while (bench.next() == Pull::operation && !std::holds_alternative<End>(bench.operation)) {
+    }
+    bench.interpreter.reset({11}, whole ? 0 : moved + 1);
+    const ModalSnapshot& modal = bench.interpreter.modal();
+    EXPECT_EQ(modal.g[1], whole ? 0 : 10);
+    EXPECT_EQ(modal.g[3], whole ? 910 : 900);
+    EXPECT_EQ(modal.g[14], whole ? 550 : 540);
+    EXPECT_EQ(modal.inch, whole);
+    if (whole) continue;
+    EXPECT_EQ(modal.feed, 100);
+    EXPECT_EQ(bench.interpreter.to_work({11}, modal)[0], 1);
+    bench.start("X3.\nM30\n");  // the next program finds what the operator saw
+    ASSERT_EQ(bench.next(), Pull::operation);
+    const auto& feed = std::get<Feed>(bench.operation);
+    EXPECT_EQ(feed.end_machine[0], 13);
+    EXPECT_EQ(feed.feed, 100);
+  }
+}
+
+// A long program of mode changes keeps a bounded number of them, and the newest are right.
+TEST(Reset, OfManyChangesTheNewestAreKept) {
+  ExampleBench bench;
+  std::string program;
+  for (int i = 1; i <= 5'000; ++i)
+    program +=
+        "G" + std::to_string(54 + i % 2) + " G01 X" + std::to_string(i) + ". F" + std::to_string(i) + ".\n";
+  bench.start("G90 G94 G21\n" + program + "M30\n");
+  while (bench.next() == Pull::operation) {
+  }
+  bench.interpreter.reset({}, 4'902);  // block 1 sets modes; block n + 1 has F n
+  EXPECT_EQ(bench.interpreter.modal().feed, 4'900);
+  EXPECT_EQ(bench.interpreter.modal().g[14], 540);
+}
+
 }  // namespace
 }  // namespace headstock::interp

@@ -439,5 +439,23 @@ TEST(Restart, ABlockThatIsNotThereIsAnAlarm) {
   EXPECT_EQ(bench.alarm_of_run(), "PS0078");
 }
 
+// The blocks between P and Q belong to their cycle: a restart there is refused, and comes to its end.
+TEST(Restart, ABlockOfAProfileIsNoPlaceToBegin) {
+  for (const bool by_number : {true, false}) {
+    Bench bench("fanuc-0i-t");
+    bench.text =
+        "G98 M03 S100\nG00 X60. Z5.\nG71 U2. R1.\nG71 P1 Q3 U2. W1. F100\nN1 G00 X20.\nN2 G01 Z-20.\nN3 "
+        "X50.\nM30\n";
+    RestartPoint point;
+    if (by_number) {
+      point.block = 6;
+    } else {
+      point.sequence = 2;
+    }
+    ASSERT_EQ(bench.interpreter.restart(program::source_from_text(bench.text), {}, point), Pull::finished);
+    EXPECT_EQ(bench.alarm_of_run(), "PS0078");
+  }
+}
+
 }  // namespace
 }  // namespace headstock::interp

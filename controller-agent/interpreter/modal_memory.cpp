@@ -1,0 +1,138 @@
+#include "interpreter/modal_memory.hpp"
+
+#include <array>
+
+#include "interpreter/executor.hpp"
+
+namespace headstock::interp {
+
+/// The modal state of an Executor, as far as blocks change it. Positions are not part of it: they are where the axes
+/// stand.
+struct KeptModes {
+  std::uint32_t block = 0;  ///< number of the block before which it was so
+  std::size_t axis_count = 0;
+  std::array<ProgramAxis, kMaxAxes> axes{};
+  ModalSnapshot modal;
+  const GCode* motion_code = nullptr;
+  bool incremental = false, exact_stop_mode = false, constant_surface_speed = false;
+  FeedUnit feed_unit = FeedUnit::mm_per_minute;
+  bool work_is_extra = false;
+  std::size_t work_index = 0;
+  Plane plane = Plane::xy;
+  Executor::PlaneIndex plane_index;
+  bool roles_given = false;
+  std::array<std::int8_t, kMaxAxes> given_roles{};
+  CuttingMode cutting_mode = CuttingMode::cutting;
+  Transform transform;
+  PolarCommand polar;
+  SurfaceMode surface;
+  ToolOffsetState tool_offset;
+  bool one_digit_rapid = false;
+  AxisVector increment_limit{};
+  double unit_mm = 1;
+  std::int64_t linear_increment = 0;
+  double feed_mm = -1, lead_mm = 0, rpm = 0, surface_speed = 0, clamp_rpm = 0;
+  int surface_axis = -1;
+  int length_sign = 0;
+  std::int64_t length_offset = 0, d_number = 0;
+};
+
+namespace {
+
+using program::letters;
+
+// F alone is looked at by its value, axis words and the words of an arc change nothing that stays.
+constexpr std::uint32_t kPassing = letters("ABCXYZUVWIJKRFNO");
+
+bool may_change_modes(const Executor& ex) {
+  const program::Block& b = ex.block;
+  if (b.m_count != 0 || b.g_count > 1 || (b.words & ~kPassing) != 0) return true;
+  if (b.g_count == 1 && b.g[0].tenths != ex.motion_code->tenths) return true;
+  return b.has('F') && ex.feed_value(b['F']) != ex.modal.feed;
+}
+
+// Each member of the one to the same of the other: written once for both directions.
+template <typename From, typename To>
+void copy_modes(const From& from, To& to) {
+  to.modal = from.modal;
+  to.motion_code = from.motion_code;
+  to.incremental = from.incremental;
+  to.exact_stop_mode = from.exact_stop_mode;
+  to.constant_surface_speed = from.constant_surface_speed;
+  to.feed_unit = from.feed_unit;
+  to.work_is_extra = from.work_is_extra;
+  to.work_index = from.work_index;
+  to.plane = from.plane;
+  to.plane_index = from.plane_index;
+  to.roles_given = from.roles_given;
+  to.given_roles = from.given_roles;
+  to.cutting_mode = from.cutting_mode;
+  to.transform = from.transform;
+  to.polar = from.polar;
+  to.surface = from.surface;
+  to.tool_offset = from.tool_offset;
+  to.one_digit_rapid = from.one_digit_rapid;
+  to.increment_limit = from.increment_limit;
+  to.unit_mm = from.unit_mm;
+  to.linear_increment = from.linear_increment;
+  to.feed_mm = from.feed_mm;
+  to.lead_mm = from.lead_mm;
+  to.rpm = from.rpm;
+  to.surface_speed = from.surface_speed;
+  to.clamp_rpm = from.clamp_rpm;
+  to.surface_axis = from.surface_axis;
+  to.length_sign = from.length_sign;
+  to.length_offset = from.length_offset;
+}
+
+}  // namespace
+
+ModalMemory::ModalMemory() = default;
+ModalMemory::~ModalMemory() = default;
+
+void ModalMemory::forget() {
+  begin_ = count_ = 0;
+}
+
+void ModalMemory::before_block(const Executor& ex) {
+  if (may_change_modes(ex)) keep(ex);
+}
+
+void ModalMemory::keep(const Executor& ex) {
+  std::size_t place = (begin_ + count_) % kMost;
+  if (count_ == kMost) {
+    place = begin_;
+    begin_ = (begin_ + 1) % kMost;
+  } else {
+    ++count_;
+    if (place == kept_.size()) kept_.emplace_back();
+  }
+  KeptModes& now = kept_[place];
+  now.block = ex.at.block + 1;
+  now.axis_count = ex.axes.size();
+  for (std::size_t i = 0; i < ex.axes.size(); ++i) now.axes[i] = ex.axes[i];
+  copy_modes(ex, now);
+  now.d_number = ex.pipeline.d_number;
+}
+
+void ModalMemory::back_to(Executor& ex, std::uint32_t block) {
+  // The oldest state that is not older than the block: between the two nothing was changed.
+  std::size_t low = 0, high = count_;
+  while (low < high) {
+    const std::size_t middle = (low + high) / 2;
+    if (kept_[(begin_ + middle) % kMost].block < block) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  if (low == count_) return;
+  const KeptModes& then = kept_[(begin_ + low) % kMost];
+  copy_modes(then, ex);
+  for (std::size_t i = 0; i < ex.axes.size() && i < then.axis_count; ++i) ex.axes[i] = then.axes[i];
+  ex.pipeline.d_number = then.d_number;
+  ex.update_zeros();
+  forget();
+}
+
+}  // namespace headstock::interp

@@ -1,0 +1,38 @@
+// What RESET goes back to. The look-ahead reads blocks long before they are carried out; a RESET in the middle of a
+// program must not leave a G91, a G55 or a tool offset of a block that nobody has seen run (0i-D K.32.1: the modal
+// state is that of the last block carried out whole). One object a path, the interpreter's thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace headstock::interp {
+
+struct Executor;
+struct KeptModes;
+
+class ModalMemory {
+ public:
+  /// States kept at most: as many changes as the moves of a look-ahead. Older ones belong to blocks long done.
+  static constexpr std::size_t kMost = 4'096;
+
+  ModalMemory();
+  ~ModalMemory();
+  ModalMemory(const ModalMemory&) = delete;
+  ModalMemory& operator=(const ModalMemory&) = delete;
+
+  /// Before the block read last is carried out: keeps the state if the block may change more than positions.
+  void before_block(const Executor& ex);
+  /// A program begins.
+  void forget();
+  /// The modes as they were before this block (SourcePosition::block); nothing when nothing has changed since.
+  void back_to(Executor& ex, std::uint32_t block);
+
+ private:
+  void keep(const Executor& ex);
+  std::vector<KeptModes> kept_;  // a ring: `begin_` is the oldest of `count_`
+  std::size_t begin_ = 0, count_ = 0;
+};
+
+}  // namespace headstock::interp
