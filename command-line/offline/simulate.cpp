@@ -74,7 +74,7 @@ class Measurement {
     ++periods;
     if (judge_) {
       limits_.add(sample.position);
-      if (sample.moving) error_.sample(sample.position, sample.tag);
+      if (sample.moving) error_.judge(sample.position, sample.tag);
       lead_.sample(sample, controller_.spindle().phase_rad());
     }
     if (trace_) write_row(sample);
