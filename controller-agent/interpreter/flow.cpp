@@ -147,6 +147,7 @@ Executor::Step Executor::read_block() {
   at.column = 0;
   at.byte_offset = place.offset();
   if (interruption.enabled && frame.macro.kind != CallKind::interruption) interruption.block = place;
+  const program::Line as_read = frame.line;
   if (own && own->take_text(*this, frame) == OwnLanguage::Taken::done) return Step::done;
   if (frame.wanted_sequence >= 0) return search_block();
   line_end = frame.line.text.data() + frame.line.text.size();
@@ -190,8 +191,9 @@ Executor::Step Executor::read_block() {
   const bool statement = read.status == program::LexStatus::statement;
   if (statement && (macros == nullptr || !macros->rules.statements)) {
     pipeline.block_read();
+    const std::size_t depth = frames.size();
     if (own && own->statement(*this, read.statement, read.column) == OwnLanguage::Taken::done) {
-      frame.at_start = false;
+      if (frames.size() >= depth) frames[depth - 1].at_start = false;  // a call has moved `frame` elsewhere
       return Step::done;
     }
     if (dialect.statement == nullptr || !dialect.statement(*this, read.statement, read.column)) {
@@ -217,7 +219,8 @@ Executor::Step Executor::read_block() {
   const bool bare =
       empty && (block.has_number || block.has_sequence);  // O or N alone is a block (0i-D L31468)
   if (restarting && restart_reached(block.has_sequence, block.sequence, !empty || bare)) {
-    frame.rest = line_begin + place.within;  // read again by the next pull
+    frame.line = as_read;  // read again by the next pull, by a language of its own too
+    frame.rest = line_begin + place.within;
     return Step::done;
   }
   if (!empty || block.has_sequence) frame.at_start = false;

@@ -66,7 +66,8 @@ std::optional<MachineAlarm> Controller::Impl::before_motion(const interp::Operat
   motion::Move move = feed.make(taken);
   feed.limit_acceleration(move, thread->modal);
   const auto& cut = std::get<motion::ThreadFeed>(move.feed);
-  return thread_alarm(machine, from, move, cut, std::abs(realtime.state().spindle_commanded_rpm));
+  return thread_alarm(machine, from, move, cut, std::abs(realtime.state().spindle_commanded_rpm),
+                      thread->run_up_mm);
 }
 
 bool Controller::Impl::has_third_zone() const {

@@ -439,6 +439,22 @@ TEST(Restart, ABlockThatIsNotThereIsAnAlarm) {
   EXPECT_EQ(bench.alarm_of_run(), "PS0078");
 }
 
+// A dialect that reads its text itself is given the block it begins with as it stands in the program.
+TEST(Restart, InALanguageOfItsOwn) {
+  for (const char* profile : {"lathe-200t", "k2000tc"}) {
+    Bench bench(profile);
+    bench.text = "G00 X1.\nG00 X2.\nG00 X3.\nM02\n";
+    RestartPoint point;
+    point.block = 3;
+    ASSERT_EQ(bench.interpreter.restart(program::source_from_text(bench.text), {}, point), Pull::operation)
+        << profile;
+    ASSERT_EQ(bench.next(), Pull::operation) << profile;
+    ASSERT_NE(motion(bench.operation), nullptr) << profile;
+    EXPECT_EQ(motion(bench.operation)->end_work[0], 3) << profile;
+    EXPECT_EQ(motion(bench.operation)->at.line, 3u) << profile;
+  }
+}
+
 // The blocks between P and Q belong to their cycle: a restart there is refused, and comes to its end.
 TEST(Restart, ABlockOfAProfileIsNoPlaceToBegin) {
   for (const bool by_number : {true, false}) {
