@@ -1,5 +1,6 @@
 // Stage 2: G40 G41 G42. `last_` is the motion whose end waits for the next one; `previous_` the one before
 // it, whose corner with `last_` is known but may still lose vectors when `last_` turns out to run backwards.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -27,6 +28,15 @@ constexpr Point kTips[10] = {{0, 0}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1},
 
 bool is_arc(const Operation& operation) {
   return std::holds_alternative<Arc>(operation);
+}
+
+/// An arc cut on its inside: the feed holds on the programmed arc, the tool's centre is slower, down to No. 1710
+/// of it; 0: not at all (0i-D M 5.4.2.2, L5154-L5198).
+void slow_inner_arc(const Executor& ex, Operation& operation, double programmed_mm) {
+  auto* arc = std::get_if<Arc>(&operation);
+  if (arc == nullptr || !ex.dialect.compensation.by_d || arc->unit == FeedUnit::inverse_time) return;
+  const double least = ex.data.parameter("1710") / 100, ratio = arc->radius_mm / programmed_mm;
+  if (least > 0 && ratio < 1) arc->feed *= std::max(ratio, std::min(1.0, least));
 }
 
 }  // namespace
@@ -308,6 +318,7 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
     run.to = path.to + first;
     run.sweep = comp::arc(run.from, run.to, run.center, run.turn).sweep;
     set_arc(ex, previous_->op, mode, run, mode.tip);
+    slow_inner_arc(ex, previous_->op, path.start_radius());
   }
   // Moved on first, displaced there: what was only just written is slow to move.
   const bool to_caller = !ex.out_used;

@@ -35,6 +35,10 @@ std::optional<MachineAlarm> thread_alarm(const machine::Machine& machine, const 
     const double speed = share * thread.lead_mm * turns_s;
     if (share > 0) run_up = std::max(run_up, speed * speed / (2 * axis.max_acceleration_mm_s2) / share);
   }
+  if (move.speed_up_mm_s2 > 0) {
+    const double speed = thread.lead_mm * turns_s, along = path_length(start, move) / longest;
+    run_up = std::max(run_up, speed * speed * along / (2 * move.speed_up_mm_s2));
+  }
   return run_up > std::max(longest, run_up_mm) ? std::optional(kTooShort) : std::nullopt;
 }
 
