@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "motion/lead_error.hpp"
 #include "motion/limits_check.hpp"
 #include "motion/path_error.hpp"
 #include "offline/simulate.hpp"
@@ -33,16 +34,18 @@ constexpr const char* kEndings[] = {"completed", "alarm", "stopped", "stuck", "o
 // Everything measured while the program runs.
 class Measurement {
  public:
-  Measurement(const operation::Controller& controller, const AxisVector& start, bool judge)
+  Measurement(operation::Controller& controller, const AxisVector& start, bool judge)
       : controller_(controller),
         axes_(controller.machine().axes.size()),
         period_s_(controller.machine().period_us * 1e-6),
         judge_(judge),
         limits_(axes_, period_s_),
         error_(axes_),
+        lead_(axes_),
         last_(start) {
     limits_.add(start);
     error_.start(start);
+    lead_.start(start);
   }
 
   void open_trace(const std::string& file) {
@@ -63,6 +66,7 @@ class Measurement {
     length_mm += operation::path_length(last_, move);
     last_ = operation::end_of(move);
     if (judge_) error_.add(move);
+    if (judge_) lead_.add(move);
   }
   void period() {
     const motion::Sample& sample = controller_.sample();
@@ -70,7 +74,8 @@ class Measurement {
     ++periods;
     if (judge_) {
       limits_.add(sample.position);
-      if (sample.moving) error_.sample(sample.position, sample.tag);
+      if (sample.moving) error_.judge(sample.position, sample.tag);
+      lead_.sample(sample, controller_.spindle().phase_rad());
     }
     if (trace_) write_row(sample);
   }
@@ -88,6 +93,13 @@ class Measurement {
     return all;
   }
   double max_error_mm() const { return error_.max(); }
+  bool cut_threads() const { return lead_.threads() > 0; }
+  nlohmann::json threads() const {
+    return {{"count", lead_.threads()},
+            {"turns", lead_.turns()},
+            {"max_pitch_error_mm", lead_.max_mm()},
+            {"run_in_mm", lead_.run_in_mm()}};
+  }
 
   std::uint64_t blocks = 0, cutting = 0, rapid = 0, periods = 0;
   double length_mm = 0;
@@ -103,12 +115,13 @@ class Measurement {
     trace_->print("{}\n", row_);
   }
 
-  const operation::Controller& controller_;
+  operation::Controller& controller_;
   const std::size_t axes_;
   const double period_s_;
   const bool judge_;
   motion::LimitsCheck limits_;
   motion::PathError error_;
+  motion::LeadError lead_;
   AxisVector last_;
   interp::SourcePosition block_;
   std::optional<fmt::ostream> trace_;
@@ -176,7 +189,7 @@ int simulate(const SimulateOptions& options) {
 
   const double period_s = session->machine.period_us * 1e-6;
   const double time_s = static_cast<double>(measurement.periods) * period_s;
-  const nlohmann::json result = {
+  nlohmann::json result = {
       {"time_s", time_s},
       {"cutting_s", static_cast<double>(measurement.cutting) * period_s},
       {"rapid_s", static_cast<double>(measurement.rapid) * period_s},
@@ -194,6 +207,7 @@ int simulate(const SimulateOptions& options) {
       {"parts", controller.retained().parts},
       {"alarms", alarms_of(run.events)},
   };
+  if (measurement.cut_threads()) result["threads"] = measurement.threads();
   std::cout << result.dump() << std::endl;
   if (end == operation::RunEnd::stuck)
     return fail("nothing moves any more: is feed per revolution programmed with the spindle standing?");

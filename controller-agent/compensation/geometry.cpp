@@ -9,19 +9,7 @@ namespace {
 constexpr double kFullTurn = 2 * std::numbers::pi;
 constexpr double kSameRay = 1e-9;  // rad
 
-Point unit(Point a) {
-  const double l = length(a);
-  return l > 0 ? a * (1 / l) : Point{1, 0};
-}
-
 }  // namespace
-
-Point Segment::direction_at_start() const {
-  return arc ? left_of(unit(from - center)) * turn : unit(to - from);
-}
-Point Segment::direction_at_end() const {
-  return arc ? left_of(unit(to - center)) * turn : unit(to - from);
-}
 
 double Segment::length_mm() const {
   return arc ? sweep * (start_radius() + end_radius()) / 2 : length(to - from);
@@ -39,13 +27,6 @@ Segment Segment::beginning_at(Point point) const {
   cut.from = point;
   if (arc) cut.sweep = swept(point, to, center, turn);
   return cut;
-}
-
-Segment line(Point from, Point to) {
-  Segment segment;
-  segment.from = from;
-  segment.to = to;
-  return segment;
 }
 
 Segment arc(Point from, Point to, Point center, double turn) {

@@ -33,6 +33,11 @@ constexpr Point left_of(Point a) {
 inline double length(Point a) {
   return std::sqrt(dot(a, a));
 }
+/// Of length 1; of nothing: {1, 0}.
+inline Point unit(Point a) {
+  const double l = length(a);
+  return l > 0 ? a * (1 / l) : Point{1, 0};
+}
 
 /// A straight move, or an arc with the sense of its turn. A spiral is an arc whose end is at another distance
 /// from the centre than its start.
@@ -43,8 +48,9 @@ struct Segment {
   double turn = 0;   ///< +1 counter-clockwise, -1 clockwise; arcs only
   double sweep = 0;  ///< angle turned through [rad], > 0; arcs only
 
-  Point direction_at_start() const;  ///< unit vector
-  Point direction_at_end() const;    ///< unit vector
+  /// Unit vectors.
+  Point direction_at_start() const { return arc ? left_of(unit(from - center)) * turn : unit(to - from); }
+  Point direction_at_end() const { return arc ? left_of(unit(to - center)) * turn : unit(to - from); }
   double start_radius() const { return length(from - center); }
   double end_radius() const { return length(to - center); }
   double length_mm() const;
@@ -53,7 +59,12 @@ struct Segment {
   Segment beginning_at(Point point) const;
 };
 
-Segment line(Point from, Point to);
+inline Segment line(Point from, Point to) {
+  Segment segment;
+  segment.from = from;
+  segment.to = to;
+  return segment;
+}
 /// @param turn +1 counter-clockwise, -1 clockwise. Start and end on one ray are a full circle.
 Segment arc(Point from, Point to, Point center, double turn);
 

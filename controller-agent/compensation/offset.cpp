@@ -28,10 +28,10 @@ struct Turn {
   bool obtuse() const { return cosine >= -1e-9; }
 };
 
-Turn turn_between(const Segment& a, const Segment& b, double r) {
+Turn turn_of(Point before, Point after, double r) {
   Turn turn{};
-  turn.before = a.direction_at_end();
-  turn.after = b.direction_at_start();
+  turn.before = before;
+  turn.after = after;
   turn.n1 = left_of(turn.before) * r;
   turn.n2 = left_of(turn.after) * r;
   turn.sine = cross(turn.before, turn.after);
@@ -39,6 +39,10 @@ Turn turn_between(const Segment& a, const Segment& b, double r) {
   const bool left = !std::signbit(turn.sine);
   turn.inside = (turn.sine == 0 && turn.cosine > 0) || left == (r > 0);
   return turn;
+}
+
+Turn turn_between(const Segment& a, const Segment& b, double r) {
+  return turn_of(a.direction_at_end(), b.direction_at_start(), r);
 }
 
 // Around the corner on a circle.
@@ -78,7 +82,11 @@ Point normal_at_start(const Segment& segment, double r) {
 }
 
 Vectors corner(const Segment& a, const Segment& b, double r, const OffsetRules& rules) {
-  const Turn turn = turn_between(a, b, r);
+  return corner(a, a.direction_at_end(), b, b.direction_at_start(), r, rules);
+}
+
+Vectors corner(const Segment& a, Point a_end, const Segment& b, Point b_start, double r, const OffsetRules& rules) {
+  const Turn turn = turn_of(a_end, b_start, r);
   const Point n1 = turn.n1, n2 = turn.n2;
   if (turn.straight()) return single(n1);
   Vectors v;

@@ -63,6 +63,8 @@ Point normal_at_start(const Segment& segment, double r);
 /// @param r signed: > 0 the tool is left of the path
 /// @return no vectors: the offset paths of an inside corner do not meet (alarm 33 of all controls)
 Vectors corner(const Segment& a, const Segment& b, double r, const OffsetRules& rules);
+/// The same with directions that are known: of `a` at its end, of `b` at its start.
+Vectors corner(const Segment& a, Point a_end, const Segment& b, Point b_start, double r, const OffsetRules& rules);
 /// `a` leads from a point without offset to the start of `b`.
 Vectors start_up(const Segment& a, const Segment& b, double r, const OffsetRules& rules);
 /// `b` leads to a point without offset.

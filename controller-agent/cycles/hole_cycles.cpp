@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <string_view>
 
 #include "cycles/handlers.hpp"
 #include "cycles/hole_codes.hpp"
@@ -16,12 +17,24 @@ using enum HoleBottom;
 using interp::Executor;
 using interp::SpindleDirection;
 
+// The axis that G54.9 made the first, second or third of the space; 0: none.
+char axis_in_role(const Executor& ex, int role) {
+  for (std::size_t i = 0; i < ex.axes.size(); ++i)
+    if (ex.role_of(i) == role) return ex.axes[i].name;
+  return 0;
+}
+
 char drilling_axis(Executor& ex, const Rules& rules, const HoleCode& code) {
   if (code.axis != 0) return code.axis;
   if (rules.holes == HoleFamily::k2000) {
-    if (!ex.block.has('J')) return ex.cycle.hole.entered ? ex.axes[ex.cycle.hole.axis].name : 'Z';
+    if (!ex.block.has('J')) {
+      if (ex.cycle.hole.entered) return ex.axes[ex.cycle.hole.axis].name;
+      return ex.roles_given && ex.data.bit("P3300.6") ? axis_in_role(ex, 3) : 'Z';
+    }
     const double j = ex.block['J'].value();
-    return j == 1 ? 'X' : j == 2 ? 'Y' : 'Z';
+    const int role = j == 1 ? 1 : j == 2 ? 2 : 3;
+    if (ex.roles_given && ex.data.bit("P3300.6")) return axis_in_role(ex, role);  // DRG954
+    return "XYZ"[role - 1];
   }
   if (!ex.data.bit("5101#0")) return 'Z';  // FXY
   constexpr char kNormal[] = {'Z', 'Y', 'X'};
@@ -33,7 +46,9 @@ bool take_levels(Executor& ex, const Rules& rules, char name) {
   interp::HoleWords& words = ex.cycle.hole;
   const program::Block& b = ex.block;
   const std::size_t axis = words.axis;
-  const char step = rules.holes == HoleFamily::mill ? 0 : name == 'X' ? 'U' : name == 'Y' ? 'V' : 'W';
+  constexpr std::string_view kSteps = "XUYVZWCH";
+  const std::size_t place = kSteps.find(name);
+  const char step = rules.holes == HoleFamily::mill || place == kSteps.npos || place % 2 != 0 ? '\0' : kSteps[place + 1];
   const bool by_letter =
       step != 0 && b.has(step) && (ex.incremental_letters & program::letter_bit(step)) != 0;
   if (b.has('R')) {
@@ -169,6 +184,9 @@ bool hole_cycle(Executor& ex) {
     const auto letter = static_cast<unsigned>(std::countr_zero(mask));
     const auto i = static_cast<std::size_t>(ex.axis_of[letter]);
     if (i == *axis) continue;
+    // DRPNCA: axes that are none of the space's may not be where a hole is.
+    if (rules.holes == HoleFamily::k2000 && ex.role_of(i) == 0 && ex.data.parameter("P3300.3", 1) == 0)
+      return fail(ex, rules, Fault::hole_axis, static_cast<char>('A' + letter));
     const bool by = ex.incremental || (ex.incremental_letters >> letter & 1u) != 0;
     target.axes |= 1u << i;
     if (by) target.incremental |= 1u << i;

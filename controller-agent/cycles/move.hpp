@@ -21,6 +21,7 @@ struct Move {
   double sweep = 0;                       ///< of an arc, radians, > 0 counter-clockwise from u to v
   double lead_mm = 0;                     ///< of a thread, along its longer axis
   double angle_deg = 0;                   ///< of a thread: spindle angle at its start
+  double run_up_mm = 0;                   ///< of a thread, see interp::Thread
   double seconds = 0;                     ///< of a dwell
   bool ends_pass = false;                 ///< the tool is back for the next cut
 };

@@ -358,7 +358,7 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   bool approach_held = false;  // a corner at the end of A → A': where the contour begins would be unknown
   while (!reading.over() && !ex.finished && !stuck) {
     ex.out_used = false;
-    stuck = ex.step() == Executor::Step::wait;
+    stuck = ex.step() != Executor::Step::done;  // a signal cannot be waited for in the middle of a profile
     if (ex.pipeline.active()) ex.pipeline.take(ex);
     if (reading.count() == 1) {
       if (ex.out_used) profile.first_rapid = !std::holds_alternative<interp::Feed>(made);

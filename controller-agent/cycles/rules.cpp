@@ -276,6 +276,8 @@ Rules k2000tc() {
                   .finish_allowance = "P3319",
                   .thread_start = "P3323",
                   .thread_method = "P3322",
+                  .thread_arc_in = "P3324",
+                  .thread_arc_out = "P3325",
                   .tolerance_along = {},
                   .tolerance_across = {},
                   .no_contour_1 = {},

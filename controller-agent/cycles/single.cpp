@@ -11,7 +11,60 @@ double sign_of(double value) {
   return value < 0 ? -1 : 1;
 }
 
+// The quarter circle (on cones a little more or less) between the way across and the thread.
+struct ThreadArc {
+  Point center, from, to;  // `from` and `to` as arms about the centre
+  double sweep = 0, radius = 0;
+};
+
+ThreadArc thread_arc(const ThreadPass& job, bool onto) {
+  const double toward = sign_of(job.end.u - job.start.u), out = sign_of(job.start.v - job.end.v);
+  const double begin_u = job.start.u + toward * job.shift;
+  const double along = std::fabs(job.end.u - begin_u);
+  const double size = std::hypot(along, job.taper);
+  // Along the thread, and square to it away from the work.
+  const Point t{toward * along / size, -job.taper / size};
+  const Point n = toward * out > 0 ? Point{-t.v, t.u} : Point{t.v, -t.u};
+  ThreadArc arc;
+  arc.radius = onto ? job.arc_in : job.arc_out;
+  arc.center.u = onto ? begin_u + toward * arc.radius : job.end.u - toward * arc.radius;
+  const double root = job.end.v + job.taper * std::fabs(job.end.u - arc.center.u) / along;
+  arc.center.v = root + out * arc.radius / std::fabs(t.u);
+  const Point touches{-n.u * arc.radius, -n.v * arc.radius};
+  const Point across{(onto ? -toward : toward) * arc.radius, 0};
+  arc.from = onto ? across : touches;
+  arc.to = onto ? touches : across;
+  const double sine = arc.from.u * arc.to.v - arc.from.v * arc.to.u;
+  const double cosine = arc.from.u * arc.to.u + arc.from.v * arc.to.v;
+  arc.sweep = std::atan2(std::fabs(sine), cosine);
+  return arc;
+}
+
+Point on_arc(const ThreadArc& arc, double angle) {
+  const double a = std::sin(arc.sweep - angle) / std::sin(arc.sweep), b = std::sin(angle) / std::sin(arc.sweep);
+  return {arc.center.u + arc.from.u * a + arc.to.u * b, arc.center.v + arc.from.v * a + arc.to.v * b};
+}
+
+// Chords of the arc, as fast along the path as the thread is: what the spindle turns on it is the same in every pass.
+Moves arc_cut(ThreadArc arc, Move like, double lead_on_path) {
+  const double widest = 2 * std::acos(std::max(0.0, 1 - kThreadChord_mm / arc.radius));
+  const int chords = static_cast<int>(std::ceil(arc.sweep / widest));
+  Point at = on_arc(arc, 0);
+  like.run_up_mm = arc.radius * arc.sweep;
+  for (int k = 1; k <= chords; ++k) {
+    like.to = on_arc(arc, arc.sweep * k / chords);
+    const double du = std::fabs(like.to.u - at.u), dv = std::fabs(like.to.v - at.v);
+    like.lead_mm = lead_on_path * std::max(du, dv) / std::hypot(du, dv);
+    at = like.to;
+    co_yield like;
+  }
+}
+
 }  // namespace
+
+double arc_height(const ThreadPass& job, bool onto) {
+  return thread_arc(job, onto).center.v;
+}
 
 Moves box_cut(Box job) {
   if (job.facing) {
@@ -33,10 +86,12 @@ Moves thread_pass(ThreadPass job) {
   const double length = std::fabs(job.end.u - begin_u);
   const double out = sign_of(job.start.v - job.end.v);  // away from the work
   const double first_v = job.end.v + job.taper;
-  const double runout = std::min(job.runout.length, length);
+  const double runout = job.arc_out > 0 ? 0 : std::min(job.runout.length, length);
   // On the cone, where the run-out begins.
   const Point leaves{job.end.u - toward * runout, job.end.v + (length > 0 ? job.taper * runout / length : 0)};
   const double room = std::fabs(job.start.v - leaves.v);
+  const double lead_on_path =
+      length > 0 ? job.lead_mm * std::hypot(length, job.taper) / std::max(length, std::fabs(job.taper)) : job.lead_mm;
   for (std::int64_t n = 0; n < job.starts; ++n) {
     const double angle =
         std::fmod(job.angle_deg + 360.0 * static_cast<double>(n) / static_cast<double>(job.starts), 360.0);
@@ -51,12 +106,25 @@ Moves thread_pass(ThreadPass job) {
       const double along = std::min(high, length / 2);
       in.to = {begin_u + toward * along, first_v - job.taper * along / length};
       co_yield in;
+    } else if (job.arc_in > 0) {
+      const ThreadArc arc = thread_arc(job, true);
+      co_yield move_both(MoveKind::rapid, on_arc(arc, 0));
+      Moves chords = arc_cut(arc, cut, lead_on_path);
+      for (Move chord; chords.next(chord);) co_yield chord;
     } else if (job.shift != 0) {
       co_yield move_both(MoveKind::rapid, {begin_u, first_v});
     } else {
       co_yield move_v(MoveKind::rapid, first_v);
     }
-    co_yield cut;
+    if (job.arc_out > 0) {
+      const ThreadArc arc = thread_arc(job, false);
+      cut.to = on_arc(arc, 0);
+      co_yield cut;
+      Moves chords = arc_cut(arc, cut, lead_on_path);
+      for (Move chord; chords.next(chord);) co_yield chord;
+    } else {
+      co_yield cut;
+    }
     if (runout > 0) {
       Move leave = cut;
       leave.to = {job.end.u, leaves.v + out * std::min(job.runout.height, room)};

@@ -32,9 +32,16 @@ struct ThreadPass {
   Runout runout;
   double shift = 0;   ///< the thread begins this much further along than the start point (flank infeed)
   double run_in = 0;  ///< 200T K: the tool goes in obliquely from this height [mm, radius]
+  /// K2000TC G76: quarter circles of this radius lead onto the thread and off it, in place of the run-out; 0: none.
+  double arc_in = 0, arc_out = 0;
 };
 
-/// At most 6 moves a start.
+/// How far the path on an arc at a thread's end may depart from the circle.
+inline constexpr double kThreadChord_mm = 0.002;
+/// Where an arc begins (`onto`) or ends, across: the tool must stand further out. On cones a little more than the radius.
+double arc_height(const ThreadPass& job, bool onto);
+
+/// At most 6 moves a start, and the chords of its arcs.
 Moves thread_pass(ThreadPass job);
 
 struct Pecking {

@@ -9,6 +9,8 @@ namespace {
 
 using interp::Executor;
 
+constexpr double kLeastRatio = 0.01, kMostRatio = 4;  // K2000TC: of J to K
+
 bool take_lead(Executor& ex, const Rules& rules) {
   const program::Block& b = ex.block;
   const auto& threads = ex.dialect.threads;
@@ -118,12 +120,16 @@ bool take_thread_words(Executor& ex, const Rules& rules, const PlaneAxes& axes, 
       take_position_words(ex, ex.lead_mm, use, job);
       break;
     case RunoutForm::width: {  // K2000TC: P in 0.1 lead where the parameter allows it
-      for (const char letter : {'J', 'K'}) {
-        // The ratio of two accelerations: one is the machine's own; others are not carried out.
-        if (b.has(letter) && b[letter].value() != 1) {
-          return fail(ex, rules, Fault::unfinished, letter, std::string("thread ") + letter);
-        }
-      }
+      // J/K is a factor on the acceleration that takes the tool away from the thread (L12834).
+      const auto share = [&](char letter) {
+        return b.has(letter) ? static_cast<double>(ex.nano(b[letter], program::kNano / 1'000)) / 1e9 : 1;
+      };
+      const double j = share('J'), k = share('K');
+      const char written = b.has('J') ? 'J' : 'K';
+      if (j <= 0 || k <= 0 || j < kLeastRatio * k || j > kMostRatio * k)
+        return fail(ex, rules, Fault::value, written, "J K");
+      // One is the machine's own acceleration; others are not carried out.
+      if (std::fabs(j - k) > 1e-9) return fail(ex, rules, Fault::unfinished, written, "J K");
       double& tenths_kept = ex.cycle.runout_tenths;
       if (use == ThreadUse::single && b.has('P')) tenths_kept = b['P'].value();
       const double tenths = tenths_kept >= 0 ? tenths_kept : rules.runout_default;

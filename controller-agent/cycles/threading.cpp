@@ -34,9 +34,24 @@ double most_passes(const Threading& job) {
   return std::ceil(std::min(by_law, by_least)) + 2 + static_cast<double>(job.finish_passes);
 }
 
-Moves threading(Threading job) {
+ThreadPass pass_at(const Threading& job, double depth, double shift) {
   const double out = job.start.v < job.end.v ? -1 : 1;
   const double length = std::fabs(job.end.u - job.start.u);
+  ThreadPass cut;
+  cut.start = job.start;
+  cut.shift = shift;
+  cut.end = {job.end.u, job.end.v + out * (job.height - depth)};
+  cut.taper = length > 0 ? job.taper * (length - shift) / length : 0;  // on the same cone, begun further along
+  cut.lead_mm = job.lead_mm;
+  cut.angle_deg = job.angle_deg;
+  cut.starts = job.starts;
+  cut.runout = job.runout;
+  cut.arc_in = job.arc_in;
+  cut.arc_out = job.arc_out;
+  return cut;
+}
+
+Moves threading(Threading job) {
   const double flank = std::tan(job.tip_angle_deg / 2 * std::numbers::pi / 180);
   const double rough = job.height - job.finish;
   Depths depths(job);
@@ -46,18 +61,7 @@ Moves threading(Threading job) {
     double along = job.finish_straight ? std::min(depth, rough) : depth;
     if (job.infeed == Infeed::zigzag && pass % 2 == 0 && !depths.finishing()) along = 2 * job.height - depth;
     if (job.finish_at_start) along -= job.height;
-    const double shift = along * flank;
-    ThreadPass cut;
-    cut.start = job.start;
-    cut.shift = shift;
-    cut.end = {job.end.u, job.end.v + out * (job.height - depth)};
-    cut.taper =
-        length > 0 ? job.taper * (length - shift) / length : 0;  // on the same cone, begun further along
-    cut.lead_mm = job.lead_mm;
-    cut.angle_deg = job.angle_deg;
-    cut.starts = job.starts;
-    cut.runout = job.runout;
-    Moves moves = thread_pass(cut);
+    Moves moves = thread_pass(pass_at(job, depth, along * flank));
     Move move;
     while (moves.next(move)) co_yield move;
   }

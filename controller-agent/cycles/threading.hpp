@@ -43,6 +43,7 @@ struct Threading {
   double angle_deg = 0;
   std::int64_t starts = 1;
   Runout runout;
+  double arc_in = 0, arc_out = 0;  ///< see ThreadPass
 };
 
 /// Depth after pass n = 1, 2 … [mm, radius]: roughing to height - finish, then the finishing passes at full
@@ -63,7 +64,9 @@ class Depths {
 /// An upper bound of the number of passes, known without making them.
 double most_passes(const Threading& job);
 
-/// Bound: passes × starts × 5.
+/// The pass at one depth whose tool begins `shift` further along.
+ThreadPass pass_at(const Threading& job, double depth, double shift);
+/// Bound: passes × starts × (5 + the chords of the arcs).
 Moves threading(Threading job);
 
 }  // namespace headstock::cycles

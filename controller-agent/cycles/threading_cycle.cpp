@@ -1,6 +1,7 @@
 // G76 and 200T's G192: words and alarms.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "cycles/handlers.hpp"
 #include "cycles/thread_words.hpp"
@@ -10,6 +11,16 @@ namespace headstock::cycles {
 namespace {
 
 using interp::Executor;
+
+struct ArcWord {
+  char letter;  // behind N
+  const char* name;
+  std::string_view Parameters::*factor;
+  double Threading::*radius;
+};
+constexpr ArcWord kArcWords[] = {{'B', "NB", &Parameters::thread_arc_in, &Threading::arc_in},
+                                 {'E', "NE", &Parameters::thread_arc_out, &Threading::arc_out}};
+constexpr double kLeastArcFactor = 1.2;  // K2000TC L14348
 
 bool allowed_tip(const Rules& rules, double& angle) {
   if (angle < 0 || angle > 99) return false;
@@ -57,6 +68,42 @@ bool keep_setup(Executor& ex, const Rules& rules) {
     if (value < 0 || value / 10 > 1 || value % 10 > 3) return fail(ex, rules, Fault::value, 'E');
     keep(ex, rules.parameters.thread_start, static_cast<double>(value / 10));
     keep(ex, rules.parameters.thread_method, static_cast<double>(value % 10));
+  }
+  for (const ArcWord& arc : kArcWords) {
+    if (!b.has_marked(arc.letter) || (rules.parameters.*arc.factor).empty()) continue;
+    const program::Word& word = b.marked_at(arc.letter);
+    const double factor = static_cast<double>(ex.nano(word, program::kNano / 1'000)) / 1e9;
+    if (factor < kLeastArcFactor) return ex.alarm_code(rules.code(Fault::value), word.column, arc.name);
+    keep(ex, rules.parameters.*arc.factor, factor);
+  }
+  return true;
+}
+
+// NB, NE of the thread's block: quarter circles of NB·kb and NE·ke (the figure is lost; as in G78.1, L4360).
+bool take_arcs(Executor& ex, const Rules& rules, Threading& job) {
+  for (const ArcWord& arc : kArcWords) {
+    if (!ex.block.has_marked(arc.letter) || (rules.parameters.*arc.factor).empty()) continue;
+    const program::Word& word = ex.block.marked_at(arc.letter);
+    const auto wrong = [&] { return ex.alarm_code(rules.code(Fault::value), word.column, arc.name); };
+    const double factor = ex.data.parameter(rules.parameters.*arc.factor, kLeastArcFactor);
+    const double radius = ex.length_mm(word) * factor;
+    // It must begin outside of the thread, or the tool would come down into the work.
+    if (factor < kLeastArcFactor || radius <= job.height) return wrong();
+    job.*arc.radius = radius;
+  }
+  return true;
+}
+
+// Between the tool's start and every pass there must be room for the arcs.
+bool arcs_have_room(const Threading& job) {
+  const double length = std::fabs(job.end.u - job.start.u), out = job.start.v < job.end.v ? -1 : 1;
+  const double flank = std::tan(job.tip_angle_deg / 2 * std::numbers::pi / 180);
+  // No pass begins further back or further along than these, and none lies further out than one of no depth.
+  for (const double shift : {-job.height * flank, 2 * job.height * flank}) {
+    if (job.arc_in + job.arc_out > length - shift) return false;
+    const ThreadPass pass = pass_at(job, 0, shift);
+    if (job.arc_in > 0 && out * (job.start.v - arc_height(pass, true)) < 0) return false;
+    if (job.arc_out > 0 && out * (job.start.v - arc_height(pass, false)) < 0) return false;
   }
   return true;
 }
@@ -131,6 +178,7 @@ bool multiple_threading(Executor& ex) {
   if (std::fabs(job.end.v - job.start.v) < kTiny) return fail(ex, rules, Fault::thread_in_vain, axes.v_name);
   if (!stands_clear(job))
     return fail(ex, rules, Fault::thread_clear, axes.v_name, "start point inside the thread");
+  if (!take_arcs(ex, rules, job)) return false;
   constexpr double kMostPasses = 9'999;  // ours: less per cut than any tool takes
   if (most_passes(job) > kMostPasses) return fail(ex, rules, Fault::thread_depths, depth_letter);
 
@@ -142,6 +190,8 @@ bool multiple_threading(Executor& ex) {
   job.lead_mm = pass.lead_mm;
   job.starts = pass.starts;
   job.runout = pass.runout;
+  if ((job.arc_in > 0 || job.arc_out > 0) && !arcs_have_room(job))
+    return fail(ex, rules, Fault::value, axes.u_name, "NB NE");
   remember_thread(ex, axes, pass);
   start(ex, "G76", axes, threading(std::move(job)), Stops::passes);
   return true;

@@ -66,6 +66,7 @@ class TurningRun final : public interp::MoveSource {
         ex.fill_motion(motion, mask);
         motion.lead_mm = move.lead_mm;
         motion.start_angle_deg = move.angle_deg;
+        motion.run_up_mm = move.run_up_mm;
         break;
       }
       case MoveKind::arc: {

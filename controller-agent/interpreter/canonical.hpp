@@ -117,6 +117,9 @@ struct Thread : Motion {
   double lead_mm = 0;          ///< along the long axis
   double lead_change_mm = 0;   ///< per revolution (G34)
   double start_angle_deg = 0;  ///< Q
+  /// A chord of an arc that leads onto or off a thread: the arc's length, in which the tool comes to its speed. 0: a
+  /// thread by itself, which must be long enough for it.
+  double run_up_mm = 0;
 };
 
 /// G04.

@@ -190,8 +190,13 @@ Pull Executor::next(Operation& wanted) {
       if (out_used) return Pull::operation;
       continue;
     }
+    if (pipeline.active()) pipeline.open_intake(*this);
     const Step result = step();
-    if (pipeline.active()) pipeline.take(*this);
+    if (pipeline.active()) {
+      pipeline.take(*this);
+    } else {
+      pipeline.close_intake(*this);
+    }
     if (macros != nullptr && macros->variables.has_changes() &&
         (out_used || finished || result != Step::done))
       flush_changes();

@@ -375,11 +375,13 @@ bool Executor::take_calls(bool& taken) {
     const char letter = macros->call_letters[i];
     if (letter == '\0' || !block.has(letter)) continue;
     const program::Word& word = block[letter];
+    int decimals = argument_decimals(letter);
+    // The second auxiliary function's address in its own units (0i-D No.3450#0, L58763).
+    if (!pocket && letter == auxiliary_letter && data.bit(dialect.modes.auxiliary_decimal_parameter))
+      for (std::int64_t unit = linear_increment; unit < program::kNano; unit *= 10) ++decimals;
     const double value =
-        word.point
-            ? word.value()
-            : word.value() / static_cast<double>(
-                                 program::kPowerOfTen[static_cast<std::size_t>(argument_decimals(letter))]);
+        word.point ? word.value()
+                   : word.value() / static_cast<double>(program::kPowerOfTen[static_cast<std::size_t>(decimals)]);
     if (!call_by_word(letter, rules.address_programs[i], rules.address_variables[i], value)) return false;
   }
   return true;

@@ -45,15 +45,28 @@ void Pipeline::recycle(EntryPtr entry) {
 }
 
 // A motion that is run as it is.
-void Pipeline::send_entry(Executor& ex, EntryPtr entry) {
+void Pipeline::send_entry(Executor& ex, EntryPtr&& entry) {
   send(ex, std::move(entry->op));
   recycle(std::move(entry));
 }
 
 void Pipeline::clear() {
-  const std::int64_t number = d_number;
-  *this = Pipeline{};
-  d_number = number;
+  Pipeline empty;
+  empty.d_number = d_number;
+  empty.intake_ = std::move(intake_);  // a block may clear while it emits
+  empty.caller_ = caller_;
+  *this = std::move(empty);
+}
+
+void Pipeline::open_intake(Executor& ex) {
+  if (intake_ == nullptr) intake_ = fresh();
+  caller_ = std::exchange(ex.out, &intake_->op);
+}
+
+void Pipeline::close_intake(Executor& ex) {
+  if (caller_ == nullptr) return;
+  ex.out = std::exchange(caller_, nullptr);
+  if (ex.out_used) *ex.out = std::move(intake_->op);
 }
 
 void Pipeline::activate(const AxisVector& machine_position, const AxisVector& work_position) {
@@ -72,8 +85,16 @@ void Pipeline::close_line(const AxisVector& end_machine, const AxisVector& end_w
   motion.axes |= moved;
   held_->path.to = {end_machine[held_->mode.first], end_machine[held_->mode.second]};
   held_->plane_move = comp::length(held_->path.to - held_->path.from) > kNoMove_mm;
+  held_->aim();
   held_->request.open = open_ = false;
   position_ = end_machine;
+}
+
+// Where the next operation goes.
+Operation& Pipeline::place(Executor& ex) {
+  if (ex.out_used) return ex.queue.emplace_back();
+  ex.out_used = true;
+  return *ex.out;
 }
 
 void Pipeline::send(Executor& ex, Operation&& op) {
@@ -115,12 +136,18 @@ void Pipeline::describe(const Executor& ex, Entry& entry) {
       entry.path.turn = arc->turn == Turn::ccw ? 1 : -1;
       entry.path.sweep = arc->turns * (2 * std::numbers::pi);
       entry.plane_move = true;
+      entry.aim();
     } else {
       entry.lifted = true;
     }
   } else {
-    entry.path = comp::line(from, to);
-    entry.plane_move = comp::length(to - from) > kNoMove_mm;
+    entry.path.from = from;
+    entry.path.to = to;
+    entry.path.arc = false;
+    const Point way = to - from;
+    const double length = comp::length(way);
+    entry.ahead_at_start = entry.ahead_at_end = length > 0 ? way * (1 / length) : Point{1, 0};
+    entry.plane_move = length > kNoMove_mm;
     entry.zero_move = !entry.plane_move && (motion->axes & (1u << u | 1u << v)) != 0;
   }
   const auto* rapid = std::get_if<Rapid>(&entry.op);
@@ -136,14 +163,21 @@ void Pipeline::take(Executor& ex) {
     entry->op = std::move(op);
     incoming_.push_back(std::move(entry));
   };
-  if (ex.out_used) come_in(*ex.out);
+  if (caller_ != nullptr) {
+    ex.out = std::exchange(caller_, nullptr);
+    if (ex.out_used) incoming_.push_back(std::move(intake_));
+  } else if (ex.out_used) {
+    come_in(*ex.out);
+  }
   for (std::size_t i = ex.queue_head; i < ex.queue.size(); ++i) come_in(ex.queue[i]);
   ex.queue.clear();
   ex.queue_head = 0;
   ex.out_used = false;
 
-  const CompensationMode mode = mode_of(ex);
+  read_settings(ex);
   bool moved = false;
+  CompensationMode mode;
+  if (!incoming_.empty()) mode = mode_of(ex);
   for (EntryPtr& entry : incoming_) {
     if (stopped_) break;
     entry->mode = mode;
@@ -174,7 +208,7 @@ void Pipeline::take(Executor& ex) {
   if (stopped_) clear();
 }
 
-void Pipeline::corners(Executor& ex, EntryPtr entry) {
+void Pipeline::corners(Executor& ex, EntryPtr&& entry) {
   if (held_corner_) {
     if (entry->motion) return meet_corner(ex, std::move(entry));
     if (std::holds_alternative<Alarm>(entry->op)) {
@@ -201,7 +235,7 @@ void Pipeline::corners(Executor& ex, EntryPtr entry) {
 }
 
 // The next motion after a block that asked for something at its corner.
-void Pipeline::meet_corner(Executor& ex, EntryPtr next) {
+void Pipeline::meet_corner(Executor& ex, EntryPtr&& next) {
   const CornerRequest request = held_->request;
   const SourcePosition at = motion_in(held_->op)->at;
   const auto fail = [&](AlarmReason reason) { raise(ex, reason, at, request.column, {}); };
@@ -250,15 +284,18 @@ void Pipeline::meet_corner(Executor& ex, EntryPtr next) {
     inserted->mode = first->mode;
     inserted->motion = inserted->plane_move = true;
     inserted->path = cut.inserted;
+    inserted->aim();
     inserted->op = motion_along(ex, *motion_in(first->op), first->mode, cut.inserted.to, cut.inserted,
                                 feed_of(first->op));
     if (ex.data.bit(ex.dialect.corners.stop_parameter)) ++motion_in(inserted->op)->at.part;
     move_end(ex, first->op, first->mode, cut.first);
     first->path = cut.first;
+    first->aim();
     // The vector that I J K asked for belongs to the written end, which is the chamfer's now.
     inserted->vector = std::exchange(first->vector, BlockVector{});
     set_arc(ex, next->op, next->mode, cut.second, {});
     next->path = cut.second;
+    next->aim();
     compensate(ex, std::move(first));
     if (!stopped_) compensate(ex, std::move(inserted));
   } else {

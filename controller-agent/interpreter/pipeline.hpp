@@ -95,8 +95,12 @@ class Pipeline {
   /// The plane's axes and the tool of the block being carried out.
   CompensationMode mode_of(const Executor& ex) const;
 
+  /// Before a block: what it emits first is made where it will wait.
+  void open_intake(Executor& ex);
   /// Takes all that the block emitted and gives the Executor what may go on.
   void take(Executor& ex);
+  /// After a block that ended what take() is for.
+  void close_intake(Executor& ex);
 
   std::int64_t d_number = 0;  ///< D in force (mill)
 
@@ -112,27 +116,27 @@ class Pipeline {
   void recycle(EntryPtr entry);
   void describe(const Executor& ex, Entry& entry);
   // stage 1 (pipeline.cpp)
-  void corners(Executor& ex, EntryPtr entry);
-  void meet_corner(Executor& ex, EntryPtr next);
+  void corners(Executor& ex, EntryPtr&& entry);
+  void meet_corner(Executor& ex, EntryPtr&& next);
   // stage 2 (pipeline_compensation.cpp)
-  void compensate(Executor& ex, EntryPtr entry);
+  void compensate(Executor& ex, EntryPtr&& entry);
   void quiet_block(Executor& ex);
-  void follow(Executor& ex, EntryPtr entry);
-  void leave(Executor& ex, EntryPtr entry);
+  void follow(Executor& ex, EntryPtr&& entry);
+  void leave(Executor& ex, EntryPtr&& entry);
   enum class Closed : std::uint8_t { good, stopped, left_out };
   /// @param next the motion behind the corner; nullptr: none is known
-  Closed close_last(Executor& ex, comp::Vectors end, const Entry* next);
+  Closed close_last(Executor& ex, comp::Vectors& end, const Entry* next);
   Closed leave_out(Executor& ex, const Entry& next);
   // type C (pipeline_in_place.cpp)
-  bool in_place(const Executor& ex) const;
+  bool in_place() const { return settings_.type_c; }
   void step_onto_vector(Executor& ex, const Entry& entry);
   void step_off_vector(Executor& ex);
   /// @param next its feed is that of the corner's moves; nullptr: that of the block itself
   void release_previous(Executor& ex, const Entry* next);
   void settle_here(Executor& ex);
   void abandon(Executor& ex);
-  void send_displaced(Executor& ex, EntryPtr entry);
-  void send_entry(Executor& ex, EntryPtr entry);
+  void send_displaced(Executor& ex, EntryPtr&& entry);
+  void send_entry(Executor& ex, EntryPtr&& entry);
   void displace(const Executor& ex, Motion& motion, const CompensationMode& mode, comp::Point by) const;
   void send_corner(Executor& ex, const Entry& block, const comp::Vectors& vectors);
   /// What parameters say about compensation: read once for each state of the machine data.
@@ -141,13 +145,15 @@ class Pipeline {
     std::uint64_t version = 0;
     comp::OffsetRules offset;
     bool diameter = false, type_c = false, checks_lines = false, checks_arcs = false, avoids = false;
-    bool stops = false;
+    bool stops = false, one_value = false;
     double near_mm = 0;
     int read_ahead = 3;
   };
-  const Settings& settings(const Executor& ex) const;
+  /// At the head of take(), so that `settings_` holds below it.
+  const Settings& read_settings(const Executor& ex) const;
 
   void send(Executor& ex, Operation&& op);
+  Operation& place(Executor& ex);
   void raise(Executor& ex, dialects::AlarmReason reason, const SourcePosition& at, std::uint32_t column,
              std::string detail);
 
@@ -156,6 +162,8 @@ class Pipeline {
   bool stopped_ = false;   ///< an alarm was raised here
   AxisVector position_{};  ///< end of the last motion read, as programmed
   std::vector<EntryPtr> incoming_, spare_;
+  EntryPtr intake_;
+  Operation* caller_ = nullptr;  ///< where Executor::out pointed before open_intake()
 
   mutable Settings settings_;
 

@@ -1,5 +1,6 @@
 // Stage 2: G40 G41 G42. `last_` is the motion whose end waits for the next one; `previous_` the one before
 // it, whose corner with `last_` is known but may still lose vectors when `last_` turns out to run backwards.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -29,6 +30,15 @@ bool is_arc(const Operation& operation) {
   return std::holds_alternative<Arc>(operation);
 }
 
+/// An arc cut on its inside: the feed holds on the programmed arc, the tool's centre is slower, down to No. 1710
+/// of it; 0: not at all (0i-D M 5.4.2.2, L5154-L5198).
+void slow_inner_arc(const Executor& ex, Operation& operation, double programmed_mm) {
+  auto* arc = std::get_if<Arc>(&operation);
+  if (arc == nullptr || !ex.dialect.compensation.by_d || arc->unit == FeedUnit::inverse_time) return;
+  const double least = ex.data.parameter("1710") / 100, ratio = arc->radius_mm / programmed_mm;
+  if (least > 0 && ratio < 1) arc->feed *= std::max(ratio, std::min(1.0, least));
+}
+
 }  // namespace
 
 CompensationMode Pipeline::mode_of(const Executor& ex) const {
@@ -45,10 +55,11 @@ CompensationMode Pipeline::mode_of(const Executor& ex) const {
   mode.wanted = number > 0;
   if (!mode.wanted || number >= static_cast<std::int64_t>(ex.data.tools.size())) return mode;
   const ToolOffset& tool = ex.data.tools[static_cast<std::size_t>(number)];
-  const double value = rules.by_d ? tool_offset::radius_value(ex, number) : tool.radius + tool.radius_wear;
+  const Settings& set = read_settings(ex);
+  const double value = set.one_value ? tool_offset::length_value(ex, number) : tool.radius + tool.radius_wear;
   // In a plane that is mirrored the tool is on the other side, as arcs turn the other way.
   const int side = ex.transform.reverses(mode.first, mode.second) ? -side_ : side_;
-  mode.radius = side * (settings(ex).diameter ? value / 2 : value);
+  mode.radius = side * (set.diameter ? value / 2 : value);
   if (ex.dialect.tools.lathe && tool.tip > 0 && tool.tip < 9 &&
       (rules.tips_in_all_planes || ex.plane == Plane::zx)) {
     mode.tip = kTips[tool.tip] * std::fabs(mode.radius);
@@ -56,7 +67,7 @@ CompensationMode Pipeline::mode_of(const Executor& ex) const {
   return mode;
 }
 
-const Pipeline::Settings& Pipeline::settings(const Executor& ex) const {
+const Pipeline::Settings& Pipeline::read_settings(const Executor& ex) const {
   if (settings_.read && settings_.version == ex.data.version) return settings_;
   const auto& rules = ex.dialect.compensation;
   const auto& data = ex.data;
@@ -73,6 +84,7 @@ const Pipeline::Settings& Pipeline::settings(const Executor& ex) const {
   s.checks_lines = s.checks_arcs && !data.bit(rules.arcs_only_parameter);
   s.avoids = data.bit(rules.avoid_parameter);
   s.stops = data.bit(rules.stop_parameter);
+  s.one_value = rules.by_d && tool_offset::one_value(ex);
   s.near_mm = std::max(data.parameter(rules.near_parameter, kNearVectors_mm), kNearVectors_mm);
   const double ahead = data.parameter(rules.read_ahead_parameter, kReadAhead);
   s.read_ahead = ahead >= 3 && ahead <= 8 ? static_cast<int>(ahead) : kReadAhead;
@@ -95,12 +107,12 @@ void Pipeline::displace(const Executor& ex, Motion& motion, const CompensationMo
 }
 
 // Motions of other axes and operations that are no motions, at the vector that the tool stands at.
-void Pipeline::send_displaced(Executor& ex, EntryPtr entry) {
+void Pipeline::send_displaced(Executor& ex, EntryPtr&& entry) {
   if (entry->motion && on_) displace(ex, *motion_in(entry->op), kept_mode_, kept_);
   send_entry(ex, std::move(entry));
 }
 
-void Pipeline::compensate(Executor& ex, EntryPtr entry) {
+void Pipeline::compensate(Executor& ex, EntryPtr&& entry) {
   if (!entry->motion) {
     if (std::holds_alternative<End>(entry->op)) {
       settle_here(ex);
@@ -111,7 +123,7 @@ void Pipeline::compensate(Executor& ex, EntryPtr entry) {
     }
     return follow(ex, std::move(entry));
   }
-  if (settings(ex).type_c) {
+  if (settings_.type_c) {
     passed_machine_ = std::exchange(coming_machine_, motion_in(entry->op)->end_machine);
     passed_work_ = std::exchange(coming_work_, motion_in(entry->op)->end_work);
   }
@@ -170,7 +182,7 @@ void Pipeline::compensate(Executor& ex, EntryPtr entry) {
     return;
   }
 
-  comp::OffsetRules rules = settings(ex).offset;
+  comp::OffsetRules rules = settings_.offset;
   if (std::holds_alternative<Rapid>(entry->op)) rules.circular_outside = false;
   const double r_last = last_->mode.radius;
   const bool starts = last_->role == PipelineKnown::Role::start;
@@ -188,7 +200,7 @@ void Pipeline::compensate(Executor& ex, EntryPtr entry) {
           r_last);
     }
     if (other_side) return comp::change_side(last_->path, r_last, entry->path, r);
-    return comp::corner(last_->path, entry->path, r_last, rules);
+    return comp::corner(last_->path, last_->ahead_at_end, entry->path, entry->ahead_at_start, r_last, rules);
   };
   Vectors v = vectors();
   corner_arc_ = {};
@@ -196,7 +208,7 @@ void Pipeline::compensate(Executor& ex, EntryPtr entry) {
     return raise(ex, AlarmReason::compensation_no_crossing, motion_in(entry->op)->at, 0, {});
   }
   if (!entry->path.arc || entry->path.sweep <= std::numbers::pi) {
-    comp::merge_near(v, settings(ex).near_mm);
+    comp::merge_near(v, settings_.near_mm);
   }
   if (std::exchange(touched_, false)) {
     v.bare = static_cast<int>(v.count);
@@ -217,7 +229,7 @@ void Pipeline::compensate(Executor& ex, EntryPtr entry) {
 }
 
 // Whatever is no motion in the plane keeps its place behind the motion before it.
-void Pipeline::follow(Executor& ex, EntryPtr entry) {
+void Pipeline::follow(Executor& ex, EntryPtr&& entry) {
   if (has_last_) {
     after_.push_back(std::move(entry));
   } else {
@@ -226,12 +238,12 @@ void Pipeline::follow(Executor& ex, EntryPtr entry) {
 }
 
 // A block with G40 (or offset number 0) that moves in the plane.
-void Pipeline::leave(Executor& ex, EntryPtr entry) {
+void Pipeline::leave(Executor& ex, EntryPtr&& entry) {
   if (is_arc(entry->op)) {
     return raise(ex, AlarmReason::compensation_start_arc, motion_in(entry->op)->at, 0, {});
   }
   if (has_last_) {
-    comp::OffsetRules rules = settings(ex).offset;
+    comp::OffsetRules rules = settings_.offset;
     if (std::holds_alternative<Rapid>(entry->op)) rules.circular_outside = false;
     const double r = last_->mode.radius;
     Vectors v;
@@ -252,8 +264,8 @@ void Pipeline::leave(Executor& ex, EntryPtr entry) {
 }
 
 // The end of `last_` is known now: it is checked, the one before it goes out, and it becomes `previous_`.
-Pipeline::Closed Pipeline::close_last(Executor& ex, Vectors end, const Entry* next) {
-  const Settings& set = settings(ex);
+Pipeline::Closed Pipeline::close_last(Executor& ex, Vectors& end, const Entry* next) {
+  const Settings& set = settings_;
   const bool checked = last_->role == PipelineKnown::Role::body && !last_->free_start &&
                        (last_->path.arc ? set.checks_arcs : set.checks_lines);
   if (checked) {
@@ -276,6 +288,7 @@ Pipeline::Closed Pipeline::close_last(Executor& ex, Vectors end, const Entry* ne
       last_->op = motion_along(ex, *motion_in(last_->op), last_->mode, last_->path.to,
                                comp::line(last_->path.from, last_->path.to), feed_of(last_->op));
       last_->path = comp::line(last_->path.from, last_->path.to);
+      last_->aim();
     }
   }
   if (has_previous_) release_previous(ex, last_.get());
@@ -294,7 +307,7 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
   if (!has_previous_) return;
   const CompensationMode& mode = previous_->mode;
   const comp::Segment& path = previous_->path;
-  if (in_place(ex)) passed_ = previous_->op;
+  if (in_place()) passed_ = previous_->op;
   const bool around = corner_.count > 1;
   const MotionFeed speed = around ? feed_of(next != nullptr ? next->op : previous_->op) : MotionFeed{};
 
@@ -305,15 +318,17 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
     run.to = path.to + first;
     run.sweep = comp::arc(run.from, run.to, run.center, run.turn).sweep;
     set_arc(ex, previous_->op, mode, run, mode.tip);
+    slow_inner_arc(ex, previous_->op, path.start_radius());
   }
   // Moved on first, displaced there: what was only just written is slow to move.
   const bool to_caller = !ex.out_used;
-  const std::size_t place = ex.queue.size();
+  const std::size_t index = ex.queue.size();
+  const auto sent = [&]() -> Operation& { return to_caller ? *ex.out : ex.queue[index]; };  // the queue may grow
   send(ex, std::move(previous_->op));
   has_previous_ = false;
-  displace(ex, *motion_in(to_caller ? *ex.out : ex.queue[place]), mode, first);
-  const bool stops = settings(ex).stops;
-  std::uint32_t part = motion_in(to_caller ? *ex.out : ex.queue[place])->at.part;
+  displace(ex, *motion_in(sent()), mode, first);
+  const bool stops = settings_.stops;
+  std::uint32_t part = motion_in(sent())->at.part;
 
   const Point tip = mode.tip;
   for (std::size_t i = 1; i < corner_.count; ++i) {
@@ -326,10 +341,9 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
       move.from = move.from + tip;
       move.to = move.to + tip;
     }
-    const Motion& like = *motion_in(to_caller ? *ex.out : ex.queue[place]);
-    Operation made = motion_along(ex, like, mode, to, move, speed);
+    Operation& made = place(ex);
+    put_motion(ex, made, *motion_in(sent()), mode, to, move, speed);
     if (stops) motion_in(made)->at.part = ++part;
-    send(ex, std::move(made));
   }
   kept_ = corner_.last();
   kept_mode_ = mode;
@@ -342,7 +356,7 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
 void Pipeline::settle_here(Executor& ex) {
   if (has_last_) {
     const double r = last_->mode.radius;
-    const Vectors normal = comp::single(last_->vector.given ? comp::normal_of(last_->vector.direction, r)
+    Vectors normal = comp::single(last_->vector.given ? comp::normal_of(last_->vector.direction, r)
                                                             : comp::normal_at_end(last_->path, r));
     if (close_last(ex, normal, nullptr) == Closed::stopped) return;
   }
@@ -354,16 +368,16 @@ void Pipeline::quiet_block(Executor& ex) {
   const auto& rules = ex.dialect.compensation;
   if (std::exchange(touch_, false)) touched_ = has_last_;
   if (!on_) {
-    if (written_here_) starts_in_place_ = side_ != 0 && in_place(ex);
+    if (written_here_) starts_in_place_ = side_ != 0 && in_place();
     return;
   }
-  if (written_here_ && side_ == 0 && in_place(ex)) return step_off_vector(ex);
+  if (written_here_ && side_ == 0 && in_place()) return step_off_vector(ex);
   ++quiet_blocks_;
   if (rules.most_quiet_blocks > 0 && quiet_blocks_ >= rules.most_quiet_blocks) {
     return raise(ex, AlarmReason::compensation_quiet_blocks, ex.at, 0, {});
   }
   const bool cancelled = side_ == 0 || (again_ && rules.again_is_perpendicular);
-  const int read_ahead = settings(ex).read_ahead;
+  const int read_ahead = settings_.read_ahead;
   if (has_last_ && (cancelled || quiet_blocks_ > read_ahead - 2)) settle_here(ex);
 }
 

@@ -13,6 +13,7 @@ struct PipelineKnown {
   CompensationMode mode;
   CornerRequest request;
   comp::Segment path;  ///< programmed, in the plane
+  comp::Point ahead_at_start, ahead_at_end;  ///< its directions, see aim()
   comp::Point start_vector;
   BlockVector vector;
   Role role = Role::body;
@@ -22,6 +23,12 @@ struct PipelineKnown {
   bool lifted = false;      ///< runs without the vector
   bool free_start = false;  ///< starts at a vector that is not its own: not checked
   bool after_gap = false;   ///< the block before it was left out because of interference
+
+  /// After every change of `path`.
+  void aim() {
+    ahead_at_start = path.direction_at_start();
+    ahead_at_end = path.arc ? path.direction_at_end() : ahead_at_start;
+  }
 };
 
 struct PipelineEntry : PipelineKnown {

@@ -12,10 +12,6 @@ namespace headstock::interp {
 
 using comp::Point;
 
-bool Pipeline::in_place(const Executor& ex) const {
-  return settings(ex).type_c;
-}
-
 // G41 or G42 stood in a block without a move: the tool goes square to the start of the next block first.
 void Pipeline::step_onto_vector(Executor& ex, const Entry& entry) {
   kept_ = comp::normal_at_start(entry.path, entry.mode.radius);

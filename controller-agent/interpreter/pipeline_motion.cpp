@@ -68,10 +68,9 @@ void begin_like(const Executor& ex, Motion& made, const Motion& like, const Comp
   shift_end(ex, made, mode, end - Point{made.end_machine[mode.first], made.end_machine[mode.second]});
 }
 
-Operation arc_along(const Executor& ex, const Motion& like, const CompensationMode& mode, Point end,
-                    const comp::Segment& path, const MotionFeed& speed) {
-  Operation made(std::in_place_type<Arc>);
-  Arc& arc = std::get<Arc>(made);
+void arc_along(const Executor& ex, Operation& into, const Motion& like, const CompensationMode& mode, Point end,
+               const comp::Segment& path, const MotionFeed& speed) {
+  Arc& arc = into.emplace<Arc>();
   begin_like(ex, arc, like, mode, end);
   arc.feed = speed.feed;
   arc.unit = speed.unit;
@@ -87,34 +86,37 @@ Operation arc_along(const Executor& ex, const Motion& like, const CompensationMo
   set(mode.second, path.center.v - end.v);
   arc.radius_mm = path.start_radius();
   arc.turns = path.sweep / (2 * std::numbers::pi);
-  return made;
 }
 
-Operation rapid_along(const Executor& ex, const Motion& like, const CompensationMode& mode, Point end,
-                      const MotionFeed& speed) {
-  Operation made(std::in_place_type<Rapid>);
-  Rapid& rapid = std::get<Rapid>(made);
+void rapid_along(const Executor& ex, Operation& into, const Motion& like, const CompensationMode& mode, Point end,
+                 const MotionFeed& speed) {
+  Rapid& rapid = into.emplace<Rapid>();
   begin_like(ex, rapid, like, mode, end);
   rapid.linear = speed.linear;
-  return made;
 }
 
-Operation feed_along(const Executor& ex, const Motion& like, const CompensationMode& mode, Point end,
-                     const MotionFeed& speed) {
-  Operation made(std::in_place_type<Feed>);
-  Feed& feed = std::get<Feed>(made);
+void feed_along(const Executor& ex, Operation& into, const Motion& like, const CompensationMode& mode, Point end,
+                const MotionFeed& speed) {
+  Feed& feed = into.emplace<Feed>();
   begin_like(ex, feed, like, mode, end);
   feed.feed = speed.feed;
   feed.unit = speed.unit;
-  return made;
 }
 
 }  // namespace
 
+void put_motion(const Executor& ex, Operation& into, const Motion& like, const CompensationMode& mode, Point end,
+                const comp::Segment& path, const MotionFeed& speed) {
+  if (speed.rapid) return rapid_along(ex, into, like, mode, end, speed);
+  if (path.arc) return arc_along(ex, into, like, mode, end, path, speed);
+  feed_along(ex, into, like, mode, end, speed);
+}
+
 Operation motion_along(const Executor& ex, const Motion& like, const CompensationMode& mode, Point end,
                        const comp::Segment& path, const MotionFeed& speed) {
-  if (speed.rapid) return rapid_along(ex, like, mode, end, speed);
-  return path.arc ? arc_along(ex, like, mode, end, path, speed) : feed_along(ex, like, mode, end, speed);
+  Operation made;
+  put_motion(ex, made, like, mode, end, path, speed);
+  return made;
 }
 
 }  // namespace headstock::interp

@@ -31,5 +31,8 @@ void set_arc(const Executor& ex, Operation& operation, const CompensationMode& m
 /// A motion of its own, with the source, state and other axes of `like`, along `path` to `end`.
 Operation motion_along(const Executor& ex, const Motion& like, const CompensationMode& mode, comp::Point end,
                        const comp::Segment& path, const MotionFeed& speed);
+/// The same, made where it stays; `like` is not in it.
+void put_motion(const Executor& ex, Operation& into, const Motion& like, const CompensationMode& mode,
+                comp::Point end, const comp::Segment& path, const MotionFeed& speed);
 
 }  // namespace headstock::interp

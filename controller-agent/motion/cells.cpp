@@ -76,10 +76,12 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
   while (sections_.size() > 1 && sections_.front().end <= from) sections_.pop_front();
   cell.kind = sections_.front().kind;
   cell.reference_rpm = sections_.front().reference_rpm;
-  cell.feed = kAny;
+  cell.feed = cell.speed_up = cell.slow_down = kAny;
   for (const FeedSection& section : sections_) {
     cell.feed = std::min(cell.feed, section.speed);
     speed = std::min(speed, section.highest);
+    cell.speed_up = std::min(cell.speed_up, section.speed_up);
+    cell.slow_down = std::min(cell.slow_down, section.slow_down);
     if (section.end >= from && section.end <= to) speed = std::min(speed, section.corner);
     rapid_only = rapid_only && section.kind == FeedKind::rapid;
     if (section.end >= to) break;
@@ -129,6 +131,8 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
 void CellMaker::limit(RawCell& target, const RawCell& by) {
   target.speed = std::min(target.speed, by.speed);
   target.feed = std::min(target.feed, by.feed);
+  target.speed_up = std::min(target.speed_up, by.speed_up);
+  target.slow_down = std::min(target.slow_down, by.slow_down);
   target.jerk_gain = std::min(target.jerk_gain, by.jerk_gain);
   target.jerk_loss = std::max(target.jerk_loss, by.jerk_loss);
   for (std::size_t i = 0; i < target.rate.size(); ++i) {
@@ -263,6 +267,8 @@ bool CellMaker::next(Cell& out) {
   out.stop = raw.stop;
   out.kind = raw.kind;
   out.reference_rpm = raw.reference_rpm;
+  out.speed_up = raw.speed_up;
+  out.slow_down = raw.slow_down;
   out.jerk_gain = raw.jerk_gain;
   out.jerk_loss = raw.jerk_loss;
   out.axes = 0;

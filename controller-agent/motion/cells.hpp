@@ -43,6 +43,7 @@ struct Cell {
   AxisVector gain{};       ///< acceleration an axis leaves along a straight path [mm/s²]
   AxisVector loss_up{};    ///< of it per v² by curvature when speeding up [1/mm]; negative: curvature helps
   AxisVector loss_down{};  ///< the same when braking
+  double speed_up = 0, slow_down = 0;  ///< along the path, whatever the axes could [mm/s²]
   double jerk_gain = 0;    ///< |a| allowed by jerk at no speed, mm/s²
   double jerk_loss = 0;    ///< of it per v² [1/mm], >= 0
   PerPlan ceiling{};       ///< highest v² of each plan
@@ -54,7 +55,7 @@ struct Cell {
   /// The same for a whole period: what counts is the mean of the squares of the speed before and after, which
   /// speeding up makes larger than it was, and braking smaller.
   double acceleration_for(double speed, double period_s) const {
-    double a = jerk_gain - jerk_loss * speed * speed;
+    double a = std::min(speed_up, jerk_gain - jerk_loss * speed * speed);
     for (std::size_t i = 0; i < axes; ++i) {
       const double left = std::max(0.0, gain[i] - loss_up[i] * speed * speed);
       a = std::min(a, left / (1 + std::max(0.0, loss_up[i]) * period_s * (speed + 0.5 * period_s * left)));
@@ -62,7 +63,7 @@ struct Cell {
     return a > 0 ? a : 0;
   }
   double braking_for(double speed, double period_s) const {
-    double a = jerk_gain - jerk_loss * speed * speed;
+    double a = std::min(slow_down, jerk_gain - jerk_loss * speed * speed);
     for (std::size_t i = 0; i < axes; ++i)
       a = std::min(a, (gain[i] - loss_down[i] * speed * speed) /
                           (1 + std::max(0.0, -loss_down[i]) * speed * period_s));
@@ -76,7 +77,7 @@ struct Cell {
   /// Highest v² from which, braking over `way`, v² = `ahead` is reached.
   double entry_before(double ahead, double way) const {
     const double twice = 2 * way;
-    double square = (ahead + twice * jerk_gain) / (1 + twice * jerk_loss);
+    double square = std::min((ahead + twice * jerk_gain) / (1 + twice * jerk_loss), ahead + twice * slow_down);
     for (std::size_t i = 0; i < axes; ++i) {
       // Curvature counts where it leaves least: at the entry when it costs, at the end of the cell when it
       // helps.
@@ -88,7 +89,7 @@ struct Cell {
 
  private:
   double left_of(const AxisVector& loss, double speed_squared) const {
-    double a = jerk_gain - jerk_loss * speed_squared;
+    double a = std::min(slow_down, jerk_gain - jerk_loss * speed_squared);
     for (std::size_t i = 0; i < axes; ++i) {
       const double left = gain[i] - loss[i] * speed_squared;
       if (left < a) a = left;
@@ -105,6 +106,9 @@ struct FeedSection {
   double reference_rpm = 0;
   double highest = std::numeric_limits<double>::infinity();  ///< at any override [mm/s]
   double corner = std::numeric_limits<double>::infinity();   ///< the same at `end`
+  /// Acceleration and braking along the path [mm/s²].
+  double speed_up = std::numeric_limits<double>::infinity();
+  double slow_down = std::numeric_limits<double>::infinity();
 };
 
 /// A cell before it is final.
@@ -117,6 +121,7 @@ struct RawCell {
   AxisVector bend_up{}, bend_down{};    ///< largest q'' with, against the sense of q'; signed
   double speed = 0;                     ///< highest, whatever the override
   double feed = 0;                      ///< highest at override 1
+  double speed_up = 0, slow_down = 0;   ///< as in Cell
   double jerk_gain = 0, jerk_loss = 0;  ///< as in Cell
   double reach = 0;  ///< own highest speed times the smoothing time: how far its limits are spread
 };

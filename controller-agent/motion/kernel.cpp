@@ -100,6 +100,8 @@ struct Kernel::Impl {
         if (move.highest_mm_s > 0) section.highest = move.highest_mm_s;
         if (move.corner_mm_s > 0) section.corner = move.corner_mm_s;
       }
+      if (move.speed_up_mm_s2 > 0) section.speed_up = move.speed_up_mm_s2;
+      if (move.slow_down_mm_s2 > 0) section.slow_down = move.slow_down_mm_s2;
       info.thread.begin = piece.begin;
       info.thread.end = piece.end;
       maker.add_section(section);

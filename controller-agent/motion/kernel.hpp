@@ -61,6 +61,8 @@ struct Move {
   bool skip = false;           ///< the skip signal ends this move (G31); give it an exact stop
   double highest_mm_s = 0;     ///< along the path, at any override; 0: only what the axes can do. Not for threads
   double corner_mm_s = 0;      ///< where it meets the next move, at any override; 0: only what the axes can do
+  double speed_up_mm_s2 = 0;   ///< acceleration along the path at most; 0: only what the axes can do
+  double slow_down_mm_s2 = 0;  ///< the same when braking, whatever for
   bool free_path = false;      ///< non-interpolated positioning: how the axes get there is not programmed
 };
 

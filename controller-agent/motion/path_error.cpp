@@ -82,7 +82,7 @@ double PathError::distance_to(const Traced& traced, const AxisVector& position) 
   return best;
 }
 
-double PathError::sample(const AxisVector& position, std::uint64_t tag) {
+double PathError::search(const AxisVector& position, std::uint64_t tag, double enough) {
   if (moves_.empty()) {
     double sum = 0;
     for (std::size_t i = 0; i < axes_; ++i)
@@ -96,8 +96,9 @@ double PathError::sample(const AxisVector& position, std::uint64_t tag) {
   }
   const std::size_t from = current_ > kAround ? current_ - kAround : 0,
                     to = std::min(moves_.size(), current_ + kAround + 1);
-  double best = std::numeric_limits<double>::infinity();
-  for (std::size_t k = from; k < to; ++k) best = std::min(best, distance_to(moves_[k], position));
+  double best = distance_to(moves_[current_], position);
+  for (std::size_t k = from; k < to && best > enough; ++k)
+    best = std::min(best, distance_to(moves_[k], position));
   if (current_ > 4 * kAround) {
     const std::size_t drop = current_ - kAround;
     moves_.erase(moves_.begin(), moves_.begin() + static_cast<std::ptrdiff_t>(drop));

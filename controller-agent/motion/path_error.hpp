@@ -21,7 +21,9 @@ class PathError {
   /// @return distance of a commanded sample to the programmed path [mm], over all axes.
   /// @param tag of the sample; searched are the moves around the next one with this tag. Tags differ between
   /// moves.
-  double sample(const AxisVector& position, std::uint64_t tag);
+  double sample(const AxisVector& position, std::uint64_t tag) { return search(position, tag, -1); }
+  /// The same for max() only: a sample that is no farther than one before is not measured to the end.
+  void judge(const AxisVector& position, std::uint64_t tag) { search(position, tag, max_); }
   double max() const { return max_; }
 
  private:
@@ -29,6 +31,8 @@ class PathError {
     AxisVector start, end;
     Move move;
   };
+  /// @param enough a distance that is near enough to stop looking
+  double search(const AxisVector& position, std::uint64_t tag, double enough);
   double distance_to(const Traced& move, const AxisVector& position) const;
 
   std::size_t axes_;

@@ -19,6 +19,7 @@ constexpr double kMerged = 0.47;         // share for corners without knots
 constexpr double kArc = 0.35 * 6;        // share of an arc's ends (error: d² / 6 radius)
 constexpr double kArcAngle = 0.15;       // rad between knots inside an arc
 constexpr double kMostWidth = 50;        // mm
+constexpr double kNearWhole = 0.9;       // of a line: a knot beyond it goes to the middle
 
 /// Largest error a unit corner makes at distance x when knots are `width` apart (an upper envelope over all
 /// positions).
@@ -200,8 +201,10 @@ void Smoother::emit_line(double begin, double end, double before, double after) 
     last = begin + length * before / (before + after);
     knot(last);
   } else {
-    if (near_begin) knot(last = begin + before);
-    if (near_end) knot(last = end - after);
+    // A knot just before the other end would make a tiny interval, with a third derivative to match; one that
+    // falls on it is even a double knot, where the second derivative jumps.
+    if (near_begin) knot(last = begin + (before < kNearWhole * length ? before : 0.5 * length));
+    if (near_end) knot(last = end - (after < kNearWhole * length ? after : 0.5 * length));
   }
   last_interval_ = end - last;
   knot(end);

@@ -48,6 +48,7 @@ std::optional<MachineAlarm> Controller::Impl::before_motion(const interp::Operat
   if (dry_run && !std::holds_alternative<interp::Rapid>(taken) &&
       !(data.parameter("1410", FeedRules{}.dry_run_mm_min) > 0))
     return dry_run_alarm();
+  if (const auto refused = feed.corner_override_refusal(taken)) return refused;
   const auto* thread = std::get_if<interp::Thread>(&taken);
   const bool check_first = data.bit(kCheckBeforeMove);
   const bool third = has_third_zone();
@@ -62,9 +63,11 @@ std::optional<MachineAlarm> Controller::Impl::before_motion(const interp::Operat
     begin = end_of(part);
   }
   if (thread == nullptr) return std::nullopt;
-  const motion::Move move = feed.make(taken);
+  motion::Move move = feed.make(taken);
+  feed.limit_acceleration(move, thread->modal);
   const auto& cut = std::get<motion::ThreadFeed>(move.feed);
-  return thread_alarm(machine, from, move, cut, std::abs(realtime.state().spindle_commanded_rpm));
+  return thread_alarm(machine, from, move, cut, std::abs(realtime.state().spindle_commanded_rpm),
+                      thread->run_up_mm);
 }
 
 bool Controller::Impl::has_third_zone() const {

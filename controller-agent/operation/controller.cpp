@@ -346,7 +346,8 @@ CommandResult Controller::Impl::start_run(Selection& chosen, const interp::Resta
   else
     restarting.source = std::move(text);
   realtime.rapid_f0 = rapid_f0();
-  feed.set_rules({dry_run, data.parameter("1410", FeedRules{}.dry_run_mm_min), SpeedLimits::read(machine, data)});
+  feed.set_rules({dry_run, data.parameter("1410", FeedRules{}.dry_run_mm_min), SpeedLimits::read(machine, data),
+                  CornerOverrideRules::read(data), AccelerationRules::read(machine, data)});
   clear_alarms(true);
   message.clear();
   await = Await::nothing;

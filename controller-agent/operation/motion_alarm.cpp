@@ -17,7 +17,7 @@ constexpr MachineAlarm kTooShort{"HS0004", "Thread: too short to reach its lead 
 
 std::optional<MachineAlarm> thread_alarm(const machine::Machine& machine, const machine::AxisVector& start,
                                          const motion::Move& move, const motion::ThreadFeed& thread,
-                                         double rpm) {
+                                         double rpm, double run_up_mm) {
   const machine::AxisVector& end = end_of(move);
   double longest = 0;
   for (std::size_t i = 0; i < machine.axes.size(); ++i)
@@ -35,7 +35,11 @@ std::optional<MachineAlarm> thread_alarm(const machine::Machine& machine, const 
     const double speed = share * thread.lead_mm * turns_s;
     if (share > 0) run_up = std::max(run_up, speed * speed / (2 * axis.max_acceleration_mm_s2) / share);
   }
-  return run_up > longest ? std::optional(kTooShort) : std::nullopt;
+  if (move.speed_up_mm_s2 > 0) {
+    const double speed = thread.lead_mm * turns_s, along = path_length(start, move) / longest;
+    run_up = std::max(run_up, speed * speed * along / (2 * move.speed_up_mm_s2));
+  }
+  return run_up > std::max(longest, run_up_mm) ? std::optional(kTooShort) : std::nullopt;
 }
 
 MachineAlarm zone_alarm(std::size_t check, bool positive) {

@@ -13,9 +13,10 @@ namespace headstock::operation {
 /// (HS0003), or a thread shorter than the way the axes need to reach that speed (HS0004). The controllers'
 /// manuals leave both to the programmer; what comes out is a wrong lead or a broken tap.
 /// @param rpm commanded spindle speed, ≥ 0; at 0 the thread waits for the spindle and nothing is said
+/// @param run_up_mm what the move is a chord of, see interp::Thread
 std::optional<MachineAlarm> thread_alarm(const machine::Machine& machine, const machine::AxisVector& start,
                                          const motion::Move& move, const motion::ThreadFeed& thread,
-                                         double rpm);
+                                         double rpm, double run_up_mm = 0);
 
 /// Stored stroke checks 2 and 3: OT0502…OT0505 (0i-D L73422, L73432). @param check 2 or 3
 MachineAlarm zone_alarm(std::size_t check, bool positive);

@@ -27,6 +27,8 @@ constexpr double kNoMove_mm = 1e-9;
 // How far a positioning that is not interpolated cuts its corners.
 constexpr double kRoundest_mm = 2;
 
+constexpr std::int16_t kSurfaceSpeed = 960;  // G96
+
 struct PlaneAxes {
   char first, second;
 };
@@ -84,6 +86,7 @@ void MotionFeed::set_position(const AxisVector& position) {
   const AxisVector position_before = position_;
   position_ = position;
   held_back_.reset();
+  inner_corners_.reset();
   if (history_ != nullptr && position != position_before) history_->forget();
   last_tag_ = 0;
 }
@@ -204,12 +207,13 @@ std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operati
     }
     if (path_length(position_, move) <= kNoMove_mm) continue;
     limit_speed(move, !rapid);
+    limit_acceleration(move, common.modal);
     if (tag == 0) {
       if (held_back_) {
         if (rapid) held_back_->exact_stop = true;
         held_back_->block_end = blocks_differ(held_block_, common.at);
       }
-      flush();
+      pass_on();
       SegmentState& entry = tags_.append();
       entry.at = common.at;
       entry.modal = common.modal;
@@ -230,15 +234,26 @@ std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operati
       }
       tag = entry.tag;
     } else {
-      flush();
+      pass_on();
     }
     held_block_ = common.at;
+    held_side_ = side_of(common);
     move.tag = last_tag_ = tag;
     held_start_ = position_;
     position_ = end_of(move);
     held_back_ = move;
   }
   return overtravel;
+}
+
+void MotionFeed::limit_acceleration(motion::Move& move, const interp::ModalSnapshot& modal) const {
+  MotionKind kind = look_ahead_ ? MotionKind::cutting_ahead : MotionKind::cutting;
+  if (std::holds_alternative<motion::RapidFeed>(move.feed)) kind = MotionKind::rapid;
+  if (std::holds_alternative<motion::ThreadFeed>(move.feed)) kind = MotionKind::thread;
+  // Under constant surface speed the speed is not known: the highest is the least limit.
+  const bool surface = std::find(modal.g.begin(), modal.g.end(), kSurfaceSpeed) != modal.g.end();
+  const double rpm = surface || !(modal.spindle_speed > 0) ? machine_.spindle.max_rpm : modal.spindle_speed;
+  rules_.accelerations.apply(motion::Curve::from(position_, move, machine_.axes.size()), move, kind, rpm);
 }
 
 void MotionFeed::limit_speed(motion::Move& move, bool cutting) {
@@ -265,12 +280,24 @@ std::uint64_t MotionFeed::add_tag(const interp::Motion& motion, std::uint64_t ma
   return entry.tag;
 }
 
-void MotionFeed::flush() {
+CuttingSide MotionFeed::side_of(const interp::Motion& motion) const {
+  return look_ahead_ ? CuttingSide{} : CuttingSide::of(motion, machine_);
+}
+
+std::optional<MachineAlarm> MotionFeed::corner_override_refusal(const interp::Operation& operation) const {
+  return corner_override_alarm(side_of(motion_of(operation)), rules_.inner_corners);
+}
+
+void MotionFeed::pass_on() {
   if (!held_back_) return;
-  kernel_.push(*held_back_);
-  if (history_ != nullptr) history_->record(held_start_, *held_back_);
-  if (observer_) observer_(*held_back_);
+  const motion::Move move = *held_back_;
   held_back_.reset();
+  inner_corners_.add(held_start_, move, held_side_);
+}
+
+void MotionFeed::flush() {
+  pass_on();
+  inner_corners_.release();
 }
 
 void MotionFeed::finish() {

@@ -10,6 +10,8 @@
 #include "interpreter/canonical.hpp"
 #include "machine/machine.hpp"
 #include "motion/kernel.hpp"
+#include "operation/acceleration.hpp"
+#include "operation/corner_override.hpp"
 #include "operation/retrace.hpp"
 #include "operation/speed_limits.hpp"
 #include "operation/tag_ring.hpp"
@@ -21,6 +23,8 @@ struct FeedRules {
   bool dry_run = false;
   double dry_run_mm_min = 1'000;  ///< FANUC No. 1410
   SpeedLimits speeds;
+  CornerOverrideRules inner_corners;
+  AccelerationRules accelerations;
 };
 
 /// Is it one of Rapid, Feed, Arc, Thread?
@@ -34,12 +38,20 @@ motion::Arc arc_geometry(const machine::Machine& machine, const interp::Arc& arc
 class MotionFeed {
  public:
   MotionFeed(const machine::Machine& machine, motion::Kernel& kernel, TagRing& tags)
-      : machine_(machine), kernel_(kernel), tags_(tags) {}
+      : machine_(machine), kernel_(kernel), tags_(tags),
+        inner_corners_(machine.axes.size(), [this](const AxisVector& start, const motion::Move& move) {
+          kernel_.push(move);
+          if (history_ != nullptr) history_->record(start, move);
+          if (observer_) observer_(move);
+        }) {}
+  MotionFeed(const MotionFeed&) = delete;
+  MotionFeed& operator=(const MotionFeed&) = delete;
 
   /// The axes stand here and nothing is queued.
   void set_position(const AxisVector& position);
   void set_rules(const FeedRules& rules) {
     rules_ = rules;
+    inner_corners_.set_rules(rules.inner_corners);
     look_ahead_ = false;
   }
   /// G08, G05.1: what follows is under look-ahead control, or not.
@@ -47,11 +59,16 @@ class MotionFeed {
 
   /// Room for one more move? `traced`: tag being traced.
   bool has_room(std::uint64_t traced) const {
-    return kernel_.room() >= machine::kMaxAxes && tags_.has_room(traced);
+    return kernel_.room() >= machine::kMaxAxes + 2 * inner_corners_.kept() && tags_.has_room(traced);
   }
+
+  /// PS0148: G62 needs its parameters (No. 1711, 1712).
+  std::optional<MachineAlarm> corner_override_refusal(const interp::Operation& operation) const;
 
   /// The kernel's move for an operation; nothing is handed over. Precondition: is_motion().
   motion::Move make(const interp::Operation& operation) const;
+  /// Its acceleration by the parameters of the controller.
+  void limit_acceleration(motion::Move& move, const interp::ModalSnapshot& modal) const;
   /// The moves of an operation: several for a positioning that is not interpolated (0i-D No. 1401#1 = 0),
   /// where every axis goes at its own rapid rate until it is there; otherwise one.
   std::vector<motion::Move> moves(const interp::Operation& operation) const;
@@ -79,6 +96,9 @@ class MotionFeed {
   const AxisVector& position() const { return position_; }
 
  private:
+  CuttingSide side_of(const interp::Motion& motion) const;
+  /// The move held back goes on; inner corners may keep it back longer.
+  void pass_on();
   /// Limits the held-back move and this one by the parameters of the controller.
   void limit_speed(motion::Move& move, bool cutting);
 
@@ -93,6 +113,8 @@ class MotionFeed {
   std::optional<motion::Move> held_back_;
   std::function<void(const motion::Move&)> observer_;
   AxisVector held_start_{};
+  CuttingSide held_side_;
+  CornerOverride inner_corners_;
   bool look_ahead_ = false;
   Retrace* history_ = nullptr;
   interp::SourcePosition held_block_;  // of held_back_

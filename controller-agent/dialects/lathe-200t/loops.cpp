@@ -77,7 +77,7 @@ bool Language::loop(Executor& ex, Frame& frame, const char* at, bool counted) {
   if (counted) {
     const std::int64_t runs = label_key(l);  // 1 and the digits
     std::int64_t power = 1;
-    for (std::size_t i = 0; i < l.size(); ++i) power *= 10;
+    for (std::size_t i = 0; runs >= 0 && i < l.size(); ++i) power *= 10;
     wanted.left = runs < 0 ? 0 : runs - power;
     if (wanted.left < 1 || wanted.left > kMostRuns)
       return ex.alarm(AlarmReason::data_value, wanted.column, "L" + std::string(l));

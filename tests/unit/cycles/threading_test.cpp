@@ -112,6 +112,73 @@ TEST(Threading, EveryPassLiesOnTheSameFlankAndCone) {
   EXPECT_EQ(threads, 5);
 }
 
+// Quarter circles at both ends, on cones of every sign, toward both sides: judged by distances only.
+TEST(Threading, ArcsTouchTheThreadAndNeverCutBelowIt) {
+  std::mt19937 random(76);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  for (int i = 0; i < 2'000; ++i) {
+    SCOPED_TRACE(i);
+    ThreadPass job;
+    const double toward = i % 2 == 0 ? -1 : 1, out = i % 4 < 2 ? 1 : -1;
+    job.start = {0, 50};
+    job.end = {toward * between(20, 60), 50 - out * between(15, 25)};
+    job.taper = between(-4, 4);
+    job.shift = between(-1, 3);
+    job.lead_mm = between(0.5, 6);
+    job.arc_in = i % 5 == 0 ? 0 : between(0.5, 6);
+    job.arc_out = i % 3 == 0 ? 0 : between(0.5, 6);
+    const Point begin{toward * job.shift, job.end.v + job.taper};
+    const double size = std::hypot(job.end.u - begin.u, job.end.v - begin.v);
+    const Point t{(job.end.u - begin.u) / size, (job.end.v - begin.v) / size};
+    // How far out of the thread's line a point stands.
+    const auto above = [&](Point q) { return out * toward * (t.u * (q.v - begin.v) - t.v * (q.u - begin.u)); };
+
+    Moves moves = thread_pass(job);
+    Move move;
+    Point here = job.start;
+    double in_mm = 0, out_mm = 0, speed = 0;
+    int cuts = 0;
+    bool on_thread = false;
+    while (moves.next(move)) {
+      const Point from = here;
+      if (move.along_u) here.u = move.to.u;
+      if (move.along_v) here.v = move.to.v;
+      if (move.kind != MoveKind::thread) continue;
+      ++cuts;
+      ASSERT_GT(above(here), -1e-9) << "below the thread";
+      const double du = std::fabs(here.u - from.u), dv = std::fabs(here.v - from.v), l = std::hypot(du, dv);
+      const double on_path = move.lead_mm * l / std::max(du, dv);  // a turn of the spindle, along the path
+      if (cuts > 1) {
+        ASSERT_NEAR(on_path, speed, 1e-9);
+      }
+      speed = on_path;
+      if (move.run_up_mm == 0) {
+        on_thread = true;
+        ASSERT_NEAR(above(from), 0, 1e-9);
+        ASSERT_NEAR(above(here), 0, 1e-9);
+        continue;
+      }
+      (on_thread ? out_mm : in_mm) += l;
+      const double radius = on_thread ? job.arc_out : job.arc_in;
+      // The circle that touches the thread's line and the way across.
+      const double across_u = on_thread ? job.end.u - toward * radius : begin.u + toward * radius;
+      const Point on_line{across_u, begin.v + (across_u - begin.u) * t.v / t.u};
+      const Point center{across_u, on_line.v + out * radius / std::fabs(t.u)};
+      const Point middle{(from.u + here.u) / 2, (from.v + here.v) / 2};
+      ASSERT_NEAR(std::hypot(here.u - center.u, here.v - center.v), radius, 1e-9);
+      ASSERT_NEAR(std::hypot(middle.u - center.u, middle.v - center.v), radius, kThreadChord_mm + 1e-9);
+    }
+    ASSERT_TRUE(on_thread);
+    const auto about = [](double radius) { return radius * std::acos(-1.0) / 2; };
+    EXPECT_NEAR(in_mm, about(job.arc_in), 0.25 * job.arc_in + 1e-9) << "a quarter, on cones about";
+    EXPECT_NEAR(out_mm, about(job.arc_out), 0.25 * job.arc_out + 1e-9);
+    EXPECT_NEAR(here.u, job.start.u, 1e-12);
+    EXPECT_NEAR(here.v, job.start.v, 1e-12);
+  }
+}
+
 TEST(Threading, StartsAreSpreadEvenly) {
   Threading job = m68();
   job.starts = 3;

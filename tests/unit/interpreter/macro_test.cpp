@@ -439,6 +439,20 @@ TEST(Restart, ABlockThatIsNotThereIsAnAlarm) {
   EXPECT_EQ(bench.alarm_of_run(), "PS0078");
 }
 
+// A profile is read before it is cut: what would have to wait for the machine in it is an alarm, not a wait
+// for ever.
+TEST(Macro, ASignalInsideAProfileIsAnAlarm) {
+  Bench bench("fanuc-0i-t");
+  Running environment;
+  bench.interpreter.set_environment(&environment);
+  bench.start(
+      "G98 M03 S100\nG00 X60. Z5.\nG71 U2. R1.\nG71 P1 Q3 U2. W1. F100\nN1 G00 X20.\nN2 G01 Z-[20+#1000]\nN3 "
+      "X50.\n"
+      "M30\n");
+  const std::string code = bench.alarm_of_run(1'000);
+  EXPECT_TRUE(code.starts_with("PS")) << code;
+}
+
 // A dialect that reads its text itself is given the block it begins with as it stands in the program.
 TEST(Restart, InALanguageOfItsOwn) {
   for (const char* profile : {"lathe-200t", "k2000tc"}) {

@@ -45,6 +45,26 @@ TEST(PathError, DistanceToLineAndArc) {
   EXPECT_NEAR(error.max(), 10, 1e-9);
 }
 
+TEST(PathError, WhatIsJudgedForTheMaximumOnlyHasTheSameMaximum) {
+  PathError each(3), together(3);
+  for (PathError* error : {&each, &together}) {
+    error->start({});
+    for (int i = 1; i <= 40; ++i) {
+      Move move = rig::line({1.0 * i, i % 2 ? 0.5 : 0.0, 0}, 100);
+      move.tag = static_cast<std::uint64_t>(i);
+      error->add(move);
+    }
+  }
+  for (int i = 0; i < 400; ++i) {
+    const AxisVector at{0.1 * i, 0.3 * std::sin(0.1 * i), 0};
+    const auto tag = static_cast<std::uint64_t>(i / 10 + 1);
+    each.sample(at, tag);
+    together.judge(at, tag);
+  }
+  EXPECT_GT(each.max(), 0.1);
+  EXPECT_EQ(together.max(), each.max());
+}
+
 TEST(PathError, HelixIsMeasuredAtItsNearestPoint) {
   PathError error(3);
   error.start({});
