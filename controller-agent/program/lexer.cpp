@@ -233,6 +233,9 @@ class Scanner {
       }
     }
     if (count == 0) return fail(LexError::no_data, letter);
+    // Word::nano() holds nine digits before the point; a longer number must not wrap round into another
+    // place.
+    if (digits / kPowerOfTen[decimals] >= kNano) return fail(LexError::too_many_digits, letter);
     if (at_ < end_ && (*at_ == '-' || *at_ == '+')) return fail(LexError::illegal_minus, letter);
     out.word.digits = out.negative ? -digits : digits;
     out.word.decimals = static_cast<std::uint8_t>(decimals);

@@ -355,11 +355,12 @@ program::LexError Language::Reader::read(const char*& at, const char* end, doubl
     return program::LexError::none;
   }
   // The number becomes one of the address's unit, rounded (L18640); written digits would be cut.
-  const auto axis = ex.axis_of[program::letter_index(letter)];
+  const bool named = letter >= 'A' && letter <= 'Z';  // a byte that is no letter has no unit
+  const std::int8_t axis = named ? ex.axis_of[program::letter_index(letter)] : std::int8_t{-1};
   std::int64_t increment = 0;
   if (axis >= 0) {
     increment = ex.axes[static_cast<std::size_t>(axis)].increment;
-  } else if ((kLengths & letter_bit(letter)) != 0) {
+  } else if (named && (kLengths & letter_bit(letter)) != 0) {
     increment = ex.linear_increment;
   }
   if (increment != 0 && std::fabs(value) < 1e9) {

@@ -59,6 +59,15 @@ struct Wrong {
   std::uint32_t column;
 };
 class LexerErrors : public testing::TestWithParam<Wrong> {};
+// A number that its exact form cannot hold must not come out as another one.
+TEST(Lexer, MoreThanNineDigitsBeforeThePointAreRefusedHoweverManyAreAllowed) {
+  LexRules rules;
+  rules.most_digits = 17;
+  Block block;
+  const std::string_view text = "X36666666666.5";
+  EXPECT_EQ(lex_block(text, text.data(), rules, block).error, LexError::too_many_digits);
+}
+
 TEST_P(LexerErrors, HaveTheirColumn) {
   const Lexed l = lex(GetParam().text);
   EXPECT_EQ(l.result.status, LexStatus::error);
