@@ -50,9 +50,17 @@ std::string number_of(std::string_view text) {
   return i == text.size() ? std::string(text) : std::string();
 }
 
+// "gsk-218t", "fanuc-0i", "k2000tc": what stands behind it in the row of a table is said of these controllers only.
+bool names_controllers(std::string_view text) {
+  const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || digit(c) || c == '-'; };
+  return !text.empty() && text[0] >= 'a' && text[0] <= 'z' && std::ranges::all_of(text, allowed) &&
+         std::ranges::any_of(text, digit);
+}
+
 struct Cited {
   std::string number;
   std::string place;
+  std::string controllers;  // beginning of their profiles' names; empty: all that the place speaks for
   char kind;  // 'p': a parameter, 'a': an alarm, '?': the line does not say
   auto operator<=>(const Cited&) const = default;
 };
@@ -99,10 +107,12 @@ void scan_line(std::string_view line, const std::string& place, Found& found) {
   const bool parameter = line.find("parameter") != line.npos || line.find("bit(") != line.npos;
   const bool alarm = line.find("alarm") != line.npos;
   const char kind = parameter == alarm ? '?' : parameter ? 'p' : 'a';
+  std::string controllers;
   bool inside = false;
   std::size_t start = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
     if (!inside && line[i] == '/' && i + 1 < line.size() && line[i + 1] == '/') return;
+    if (!inside && line[i] == '{') controllers.clear();  // the next row of the table
     if (line[i] == '\\') {
       ++i;
     } else if (line[i] == '"') {
@@ -120,11 +130,12 @@ void scan_line(std::string_view line, const std::string& place, Found& found) {
             numbers = !all.back().empty();
           }
           for (const std::string& one : all)
-            if (numbers) found.cited.insert({one, place, 'p'});
+            if (numbers) found.cited.insert({one, place, controllers, 'p'});
           inside = false;
           start = i + 1;
           continue;
         }
+        if (names_controllers(text)) controllers = text;
         const std::string number = number_of(text);
         std::string_view before = line.substr(0, start - 1);
         while (before.ends_with(' ')) before.remove_suffix(1);
@@ -132,7 +143,7 @@ void scan_line(std::string_view line, const std::string& place, Found& found) {
             before.ends_with(',') ? before.find_last_of("{( ", before.size() - 2) : before.npos;
         const bool given_to_reason =
             word != before.npos && before.substr(word + 1).find("R::") != before.npos;
-        if (!number.empty() && !given_to_reason) found.cited.insert({number, place, kind});
+        if (!number.empty() && !given_to_reason) found.cited.insert({number, place, controllers, kind});
       }
       inside = !inside;
       start = i + 1;
@@ -174,11 +185,11 @@ int main(int argc, char** argv) {
   }
   std::ostringstream out;
   out << "// Made by cite_sources.\n#pragma once\n#include <string_view>\n\nnamespace headstock::tables {\n"
-         "struct Citation {\n  std::string_view number, place;\n  char kind;  // 'p' parameter, 'a' alarm, "
+         "struct Citation {\n  std::string_view number, place, controllers;\n  char kind;  // 'p' parameter, 'a' alarm, "
          "'?' either\n};\n"
          "inline constexpr Citation citations[] = {\n";
   for (const auto& one : found.cited)
-    out << "    {\"" << one.number << "\", \"" << one.place << "\", '" << one.kind << "'},\n";
+    out << "    {\"" << one.number << "\", \"" << one.place << "\", \"" << one.controllers << "\", '" << one.kind << "'},\n";
   out << "};\n// By AlarmReason: whether some code raises it.\ninline constexpr bool reason_raised[] = {\n";
   for (const auto& name : reasons_of(read(argv[2])))
     out << "    " << (found.raised.contains(name) ? "true" : "false") << ",  // " << name << '\n';

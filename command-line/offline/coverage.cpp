@@ -48,20 +48,25 @@ std::optional<std::int32_t> whole(std::string_view digits) {
   return error == std::errc{} && stop == end ? std::optional(number) : std::nullopt;
 }
 
+// "gsk" means gsk-2000tc and gsk-218t, "fanuc-0i" both series.
+bool begins(std::string_view profile, std::string_view controllers) {
+  return profile == controllers || (profile.starts_with(controllers) && profile[controllers.size()] == '-');
+}
+
 // A file below dialects/ speaks for its own controllers only; everything else is shared.
 bool speaks_for(std::string_view place, std::string_view profile) {
   constexpr std::string_view kDialects = "dialects/";
   if (!place.starts_with(kDialects) || place.find('/', kDialects.size()) == place.npos) return true;
   const std::string_view folder =
       place.substr(kDialects.size(), place.find('/', kDialects.size()) - kDialects.size());
-  // "gsk" speaks for gsk-2000tc and gsk-218t, "fanuc-0i" for both series.
-  return profile == folder || (profile.starts_with(folder) && profile[folder.size()] == '-');
+  return begins(profile, folder);
 }
 
 // Where a number is read or raised; empty when nowhere.
 std::string_view cited(std::string_view profile, std::string_view number, char kind) {
   for (const auto& one : tables::citations) {
-    if (one.number == number && (one.kind == kind || one.kind == '?') && speaks_for(one.place, profile))
+    if (one.number == number && (one.kind == kind || one.kind == '?') && speaks_for(one.place, profile) &&
+        (one.controllers.empty() || begins(profile, one.controllers)))
       return one.place;
   }
   return {};

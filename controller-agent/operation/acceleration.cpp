@@ -44,7 +44,7 @@ constexpr When kS{"S168.0", true, true}, kLinear{"S168.0", false, true}, kBefore
 constexpr When kCutS{"S168.2", true, true}, kCutLinear{"S168.2", false, true},
     kCutBefore{"S168.3", false, true}, kCutAfter{"S168.3", true, true};
 constexpr When kThreadS{"S168.4", true}, kThreadLinear{"S168.4", false};
-constexpr When k218S{"009.4", true}, k218Linear{"009.4", false};
+constexpr When k218S{"P009.4", true}, k218Linear{"P009.4", false};
 constexpr When kFrp{"19501#5", true}, kNotFrp{"19501#5", false}, kLrp{"1401#1", true},
     kNotLrp{"P0004.1", false}, kK2Lrp{"P0004.1", true};
 
@@ -71,14 +71,14 @@ constexpr Row kRows[] = {
     {"gsk-2000tc", thread, Way::both, "P321", 0, time_to_highest, kThreadLinear},
     {"gsk-2000tc", thread, Way::both, "P324", 0, time_to_highest, kThreadS},
     // GSK 218T P009.4-.7, P023-P031, P069 (L4654-L4680, L5078-L5148)
-    {"gsk-218t", rapid, Way::both, "023", 'X', time_to_rapid, k218Linear},
-    {"gsk-218t", rapid, Way::both, "024", 'Z', time_to_rapid, k218Linear},
-    {"gsk-218t", rapid, Way::both, "025", 'X', time_to_rapid, k218S},
-    {"gsk-218t", rapid, Way::both, "026", 'Z', time_to_rapid, k218S},
-    {"gsk-218t", cutting, Way::both, "031", 0, time_to_highest, k218Linear},
-    {"gsk-218t", cutting, Way::up, "029", 0, time_to_highest, k218S},
-    {"gsk-218t", cutting, Way::down, "030", 0, time_to_highest, k218S},
-    {"gsk-218t", thread, Way::both, "069", 0, time_to_highest},
+    {"gsk-218t", rapid, Way::both, "P023", 'X', time_to_rapid, k218Linear},
+    {"gsk-218t", rapid, Way::both, "P024", 'Z', time_to_rapid, k218Linear},
+    {"gsk-218t", rapid, Way::both, "P025", 'X', time_to_rapid, k218S},
+    {"gsk-218t", rapid, Way::both, "P026", 'Z', time_to_rapid, k218S},
+    {"gsk-218t", cutting, Way::both, "P031", 0, time_to_highest, k218Linear},
+    {"gsk-218t", cutting, Way::up, "P029", 0, time_to_highest, k218S},
+    {"gsk-218t", cutting, Way::down, "P030", 0, time_to_highest, k218S},
+    {"gsk-218t", thread, Way::both, "P069", 0, time_to_highest},
     // K2000TC: before interpolation, over blocks (L4826-L4889, table L4905)
     {"k2000tc", rapid, Way::up, "P6432", 0, mean, kK2Lrp},
     {"k2000tc", rapid, Way::down, "P6433", 0, mean, kK2Lrp},
