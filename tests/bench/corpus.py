@@ -12,8 +12,7 @@ import subprocess
 import sys
 import tempfile
 
-VELOCITY, ACCELERATION = 500.0, 2000.0  # mm/s, mm/s²
-TOLERANCE = 0.01  # mm
+from judged_mill import ACCELERATION, TOLERANCE, VELOCITY, machine_file
 
 options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 options.add_argument("--bin", default="build/release/bin/headstock")
@@ -24,20 +23,7 @@ programs = sorted(p for p in pathlib.Path(given.folder).rglob("*") if p.suffix i
 if not programs:
     sys.exit(f"corpus: no programs in {given.folder}: nothing was measured")
 
-machine = f"""[machine]
-name = "corpus"
-profile = "fanuc-0i-m"
-period_us = 1000
-[path]
-tolerance_mm = {TOLERANCE}
-""" + "".join(f"""[axis.{name}]
-rapid_mm_min = {VELOCITY * 60}
-max_feed_mm_min = {VELOCITY * 60}
-max_acceleration_mm_s2 = {ACCELERATION}
-max_jerk_mm_s3 = {given.jerk}
-min_mm = -5000
-max_mm = 5000
-""" for name in "XYZ")
+machine = machine_file("corpus", given.jerk)
 
 outside = 0
 with tempfile.TemporaryDirectory() as folder:

@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 
-VELOCITY, ACCELERATION, TOLERANCE = 500.0, 2000.0, 0.01  # mm/s, mm/s², mm
+from judged_mill import ACCELERATION, TOLERANCE, VELOCITY, machine_file
 
 options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 options.add_argument("--bin", default="build/release/bin/headstock")
@@ -41,20 +41,7 @@ def moves_of(file):
             yield line
 
 
-machine = f"""[machine]
-name = "peer"
-profile = "fanuc-0i-m"
-period_us = 1000
-[path]
-tolerance_mm = {TOLERANCE}
-""" + "".join(f"""[axis.{name}]
-rapid_mm_min = {VELOCITY * 60}
-max_feed_mm_min = {VELOCITY * 60}
-max_acceleration_mm_s2 = {ACCELERATION}
-max_jerk_mm_s3 = 1e12
-min_mm = -5000
-max_mm = 5000
-""" for name in "XYZ")
+machine = machine_file("peer", 1e12)
 
 slower = 0
 with tempfile.TemporaryDirectory() as folder:
