@@ -2,7 +2,8 @@
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  # Common headers (below) can be cached only with these two said.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
   set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
 endif()
 
@@ -27,10 +28,23 @@ if(HEADSTOCK_FUZZ)
   target_compile_options(headstock_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# Several sources in one run of the compiler: their headers are read once. headstock_together(TARGET… ALONE SOURCE…) names
-# the targets whose sources may stand in one file; ALONE are those whose file-local names clash with their neighbours'.
+# The headers that nearly every source of a kind reads, read once for all of them: headstock_common_headers(NAME LEVEL HEADER)
+# makes them for targets compiled with -O<LEVEL>. A source includes what it uses all the same: an ordinary build has none.
+function(headstock_common_headers name level header)
+  if(HEADSTOCK_TOGETHER AND CMAKE_BUILD_TYPE STREQUAL "Release")
+    file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/common_headers/${name}.cpp CONTENT "")
+    add_library(headstock_headers_${name} OBJECT ${CMAKE_BINARY_DIR}/common_headers/${name}.cpp)
+    target_link_libraries(headstock_headers_${name} PRIVATE headstock_options)
+    target_compile_options(headstock_headers_${name} PRIVATE -O${level})
+    target_precompile_headers(headstock_headers_${name} PRIVATE ${PROJECT_SOURCE_DIR}/${header})
+  endif()
+endfunction()
+
+# Several sources in one run of the compiler: their headers are read once. headstock_together(TARGET… ALONE SOURCE… HEADERS
+# NAME) names the targets whose sources may stand in one file; ALONE are those whose file-local names clash with their
+# neighbours', HEADERS the common headers that fit how these targets are compiled.
 function(headstock_together)
-  cmake_parse_arguments(ARG "" "" "ALONE" ${ARGN})
+  cmake_parse_arguments(ARG "" "HEADERS" "ALONE" ${ARGN})
   if(HEADSTOCK_TOGETHER)
     foreach(target ${ARG_UNPARSED_ARGUMENTS})
       get_target_property(folder ${target} SOURCE_DIR)
@@ -40,6 +54,13 @@ function(headstock_together)
       set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
       # Seen from the joined file, what is local to one source looks as if it were local to a header.
       target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+      if(ARG_HEADERS AND TARGET headstock_headers_${ARG_HEADERS})
+        target_precompile_headers(${target} REUSE_FROM headstock_headers_${ARG_HEADERS})
+        # Read ahead, standard headers are no system headers to GCC 12: it warns falsely where their strings are inlined.
+        foreach(warning stringop-overflow restrict array-bounds)
+          target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-${warning}>)
+        endforeach()
+      endif()
     endforeach()
   endif()
 endfunction()
@@ -65,8 +86,8 @@ function(headstock_program name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 endfunction()
 
-# headstock_test(NAME SOURCES … DEPENDS … LABELS … COMPUTES): a GoogleTest program, every case its own ctest entry. What is
-# tested is optimised; the tests themselves only where they compute (a reference, a search).
+# headstock_test(NAME SOURCES … DEPENDS … LABELS … COMPUTES): a GoogleTest program, run whole by ctest (one case of it:
+# `NAME --gtest_filter=…`). What is tested is optimised; the tests themselves only where they compute (a reference, a search).
 function(headstock_test name)
   cmake_parse_arguments(ARG "COMPUTES" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
@@ -79,6 +100,6 @@ function(headstock_test name)
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
-  include(GoogleTest)
-  gtest_discover_tests(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 300 DISCOVERY_TIMEOUT 60)
+  add_test(NAME ${name} COMMAND ${name})
+  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 600)
 endfunction()
