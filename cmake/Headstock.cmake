@@ -28,13 +28,13 @@ if(HEADSTOCK_FUZZ)
   target_compile_options(headstock_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# The headers that nearly every source of a kind reads, read once for all of them: headstock_common_headers(NAME LEVEL HEADER)
-# makes them for targets compiled with -O<LEVEL>. A source includes what it uses all the same: an ordinary build has none.
+# The headers that nearly every source of a kind reads, read once for all of them: headstock_common_headers(NAME LEVEL HEADER
+# [LIBRARY]) makes them for targets compiled with -O<LEVEL> that use LIBRARY. A source includes what it uses all the same: an ordinary build has none.
 function(headstock_common_headers name level header)
   if(HEADSTOCK_TOGETHER AND CMAKE_BUILD_TYPE STREQUAL "Release")
     file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/common_headers/${name}.cpp CONTENT "")
     add_library(headstock_headers_${name} OBJECT ${CMAKE_BINARY_DIR}/common_headers/${name}.cpp)
-    target_link_libraries(headstock_headers_${name} PRIVATE headstock_options)
+    target_link_libraries(headstock_headers_${name} PRIVATE headstock_options ${ARGN})
     target_compile_options(headstock_headers_${name} PRIVATE -O${level})
     target_precompile_headers(headstock_headers_${name} PRIVATE ${PROJECT_SOURCE_DIR}/${header})
   endif()
