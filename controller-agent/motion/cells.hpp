@@ -44,10 +44,10 @@ struct Cell {
   AxisVector loss_up{};    ///< of it per v² by curvature when speeding up [1/mm]; negative: curvature helps
   AxisVector loss_down{};  ///< the same when braking
   double speed_up = 0, slow_down = 0;  ///< along the path, whatever the axes could [mm/s²]
-  double jerk_gain = 0;    ///< |a| allowed by jerk at no speed, mm/s²
-  double jerk_loss = 0;    ///< of it per v² [1/mm], >= 0
-  PerPlan ceiling{};       ///< highest v² of each plan
-  PerPlan ceiling_braking{};  ///< deceleration allowed at the ceiling
+  double jerk_gain = 0;                ///< |a| allowed by jerk at no speed, mm/s²
+  double jerk_loss = 0;                ///< of it per v² [1/mm], >= 0
+  PerPlan ceiling{};                   ///< highest v² of each plan
+  PerPlan ceiling_braking{};           ///< deceleration allowed at the ceiling
   /// v² at `begin` from which the path ahead can be followed; only ever raised while published.
   std::array<std::atomic<double>, kPlanCount> entry{};
 
@@ -77,7 +77,8 @@ struct Cell {
   /// Highest v² from which, braking over `way`, v² = `ahead` is reached.
   double entry_before(double ahead, double way) const {
     const double twice = 2 * way;
-    double square = std::min((ahead + twice * jerk_gain) / (1 + twice * jerk_loss), ahead + twice * slow_down);
+    double square =
+        std::min((ahead + twice * jerk_gain) / (1 + twice * jerk_loss), ahead + twice * slow_down);
     for (std::size_t i = 0; i < axes; ++i) {
       // Curvature counts where it leaves least: at the entry when it costs, at the end of the cell when it
       // helps.
@@ -151,6 +152,7 @@ class CellMaker {
   bool smooth_around(const Span& span, double speed) const;
   void measure(const Span& span, double from, double to, RawCell& cell);
   void add_cell(RawCell cell, bool stop);
+  void limit_by_jerk(const AxisVector& bends, const AxisVector& twist, RawCell& cell) const;
   static void limit(RawCell& target, const RawCell& by);
 
   std::vector<AxisLimits> axes_;
@@ -158,6 +160,7 @@ class CellMaker {
   std::size_t smoothing_periods_ = 1;
   double smoothing_s_ = 0, window_s_ = 0, smooth_window_s_ = 0;
   double longest_reach_ = 0;
+  double twist_share_ = 1;
   bool jerk_limited_ = false;
   std::deque<FeedSection> sections_;
   std::deque<RawCell> staged_;     // since the last stop, not final
