@@ -17,7 +17,7 @@ constexpr double kBendShare = 0.99;  // of the acceleration for curvature at the
 // Of the jerk for twist at the highest speed. The rest is left for acceleration: with stiff axes that is what
 // time is lost by, with soft ones the highest speed is reached almost everywhere.
 constexpr double kTwistShare = 0.5, kSoftTwistShare = 0.7;
-constexpr int kJerkPoints = 4;  // speeds the jerk limit is looked at
+constexpr int kJerkPoints = 2;  // speeds the jerk limit is looked at
 // Smoothing time: twice acceleration / jerk lets a straight line use its whole acceleration, once of it blurs
 // half as much. The longer one pays as long as it is short beside the waves of a path.
 constexpr double kLongSmoothing_s = 0.010;
@@ -75,7 +75,7 @@ void CellMaker::reset() {
 
 void CellMaker::measure(const Span& span, double from, double to, RawCell& cell) {
   const double u0 = from - span.begin, h = to - from;
-  double speed = kAny;
+  double speed = kAny, bend_taken = 0, twist_taken = 0;  // of the limits, per v² and v³
   AxisVector bends{}, twist{};
   bool rapid_only = true;
   while (sections_.size() > 1 && sections_.front().end <= from) sections_.pop_front();
@@ -113,9 +113,11 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
     const AxisLimits& axis = axes_[i];
     if (cell.rate[i] > 0)
       speed = std::min(speed, (rapid_only ? axis.rapid : std::min(axis.feed, axis.rapid)) / cell.rate[i]);
-    if (bend > 0) speed = std::min(speed, std::sqrt(kBendShare * axis.acceleration / bend));
-    if (twist[i] > 0) speed = std::min(speed, std::cbrt(twist_share_ * axis.jerk / twist[i]));
+    bend_taken = std::max(bend_taken, bend / axis.acceleration);
+    twist_taken = std::max(twist_taken, twist[i] / axis.jerk);
   }
+  if (bend_taken > 0) speed = std::min(speed, std::sqrt(kBendShare / bend_taken));
+  if (twist_taken > 0) speed = std::min(speed, std::cbrt(twist_share_ / twist_taken));
   cell.speed = std::min(speed, cell.feed * kMaxOverride);
   limit_by_jerk(bends, twist, cell);
   cell.reach = cell.speed * window_s_;
@@ -200,11 +202,18 @@ void CellMaker::cut(const Span& span) {
   // straight stretch has only one set.
   const double length = span.end - span.begin;
   int parts = 1;
+  RawCell whole;
+  whole.begin = span.begin;
+  whole.end = span.end;
+  whole.straight = span.straight;
+  measure(span, span.begin, span.end, whole);
   if (!span.straight) {
-    RawCell whole;
-    measure(span, span.begin, span.end, whole);
     const BendParts& cuts = smoothing_periods_ > 1 ? kParts : kPartsUnsmoothed;
     parts = static_cast<int>(std::clamp(std::ceil(length / (cuts.blur * whole.reach)), 1.0, cuts.most));
+  }
+  if (parts == 1) {
+    add_cell(whole, span.stop);
+    return;
   }
   double from = span.begin;
   for (int i = 1; i <= parts; ++i) {
@@ -212,7 +221,6 @@ void CellMaker::cut(const Span& span) {
     RawCell cell;
     cell.begin = from;
     cell.end = to;
-    cell.straight = span.straight;
     measure(span, from, to, cell);
     add_cell(cell, span.stop && i == parts);
     from = to;
@@ -222,24 +230,29 @@ void CellMaker::cut(const Span& span) {
 void CellMaker::add_cell(RawCell cell, bool stop) {
   spread_back(cell);
   const RawCell own = cell;
-  std::erase_if(reaching_, [&](const RawCell& r) { return r.end + r.reach <= cell.begin; });
   // A straight stretch is cut where limits of what is behind it end, a bend where that was much slower.
-  const auto ends_here = [&](const RawCell& r) {
+  ending_.clear();
+  std::size_t passed = 0;
+  for (const RawCell& r : reaching_) {
     const double at = r.end + r.reach;
-    return at > cell.begin && at < cell.end && (cell.straight || r.speed < kMuchSlower * cell.speed);
-  };
-  for (;;) {
+    if (at <= cell.begin)
+      ++passed;
+    else if (at < cell.end && (cell.straight || r.speed < kMuchSlower * cell.speed))
+      ending_.push_back({at, r.end, r.reach});
+  }
+  if (2 * passed > reaching_.size())  // moving the others costs more than looking at these
+    std::erase_if(reaching_, [&](const RawCell& r) { return r.end + r.reach <= cell.begin; });
+  while (!ending_.empty()) {
     // Ends close together share one cut, behind the last of them.
     double together = kAny, cut = kAny, grouped = 0;
-    for (const RawCell& r : reaching_)
-      if (ends_here(r)) together = std::min(together, 0.2 * (cell.begin - r.end) + 0.02 * r.reach);
-    for (const RawCell& r : reaching_) {
-      if (!ends_here(r)) continue;
-      const double at = r.end + r.reach;
-      if (at < cell.begin + together)
-        grouped = std::max(grouped, at);
+    for (const Ending& r : ending_)
+      if (r.at > cell.begin) together = std::min(together, 0.2 * (cell.begin - r.end) + 0.02 * r.reach);
+    for (const Ending& r : ending_) {
+      if (r.at <= cell.begin) continue;
+      if (r.at < cell.begin + together)
+        grouped = std::max(grouped, r.at);
       else
-        cut = std::min(cut, at);
+        cut = std::min(cut, r.at);
     }
     if (grouped > 0) cut = grouped;
     if (cut == kAny || cell.end - cut < 0.1 * (own.end - own.begin)) break;

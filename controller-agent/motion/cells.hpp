@@ -165,7 +165,11 @@ class CellMaker {
   std::deque<FeedSection> sections_;
   std::deque<RawCell> staged_;     // since the last stop, not final
   std::vector<RawCell> reaching_;  // cells whose limits still reach beyond the newest
-  std::size_t final_ = 0;          // staged_ cells that are final
+  struct Ending {
+    double at, end, reach;  // end + reach, and of which cell
+  };
+  std::vector<Ending> ending_;  // of those, inside the newest
+  std::size_t final_ = 0;       // staged_ cells that are final
   double newest_ = 0;
   std::optional<Span> previous_, pending_;
   const Span* following_ = nullptr;  // of pending_, while it is cut

@@ -20,7 +20,7 @@ constexpr double kRunGrowth = 1.3;       // of the distance of knots from one to
 constexpr double kArc = 0.35 * 6;        // share of an arc's ends (error: d² / 6 radius)
 constexpr double kArcAngle = 0.15;       // rad between knots inside an arc
 constexpr double kMostWidth = 50;        // mm
-constexpr int kWidthSteps = 8;           // of halving the range a width of a run is searched in
+constexpr int kWidthSteps = 6;           // of halving the range a width of a run is searched in
 constexpr double kNearWhole = 0.9;       // of a line: a knot beyond it goes to the middle
 
 /// In a run: largest error a unit corner makes at distance x when knots are `width` apart, wherever it lies
