@@ -48,9 +48,10 @@ Fault AxisSupervision::check(const AxisVector& commanded, const AxisVector& actu
   return fault;
 }
 
-bool AxisSupervision::in_position(const AxisVector& commanded, const AxisVector& actual) const noexcept {
+bool AxisSupervision::in_position(const AxisVector& commanded, const AxisVector& actual,
+                                  std::uint32_t besides) const noexcept {
   for (std::size_t i = 0; i < axes_; ++i)
-    if (std::abs(commanded[i] - actual[i]) > axis_[i].in_position_mm) return false;
+    if ((besides >> i & 1) == 0 && std::abs(commanded[i] - actual[i]) > axis_[i].in_position_mm) return false;
   return true;
 }
 

@@ -37,7 +37,9 @@ class AxisSupervision {
   /// @param commanded, actual machine coordinates of every axis, compensation left out
   Fault check(const AxisVector& commanded, const AxisVector& actual) noexcept;
   /// Every axis is where it is commanded to be, within its in-position width.
-  bool in_position(const AxisVector& commanded, const AxisVector& actual) const noexcept;
+  /// @param besides axes that nothing waits for: they move beside the program; bit: axis
+  bool in_position(const AxisVector& commanded, const AxisVector& actual,
+                   std::uint32_t besides = 0) const noexcept;
   /// The drives were off, or the position was set: what was before does not count.
   void restart() noexcept { settled_ = false; }
 

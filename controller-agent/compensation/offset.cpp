@@ -1,5 +1,7 @@
 #include "compensation/offset.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <numbers>
 
 namespace headstock::comp {
@@ -85,7 +87,8 @@ Vectors corner(const Segment& a, const Segment& b, double r, const OffsetRules& 
   return corner(a, a.direction_at_end(), b, b.direction_at_start(), r, rules);
 }
 
-Vectors corner(const Segment& a, Point a_end, const Segment& b, Point b_start, double r, const OffsetRules& rules) {
+Vectors corner(const Segment& a, Point a_end, const Segment& b, Point b_start, double r,
+               const OffsetRules& rules) {
   const Turn turn = turn_of(a_end, b_start, r);
   const Point n1 = turn.n1, n2 = turn.n2;
   if (turn.straight()) return single(n1);
@@ -221,6 +224,7 @@ Between check(const Segment& block, Point start, Point end) {
 
 bool clears(const Segment& block, Point from, Point to, double r) {
   constexpr int kParts = 16;
+  constexpr double kRounded_mm = 0.001;  // end points and centres are rounded
   const Point way = to - from;
   const double whole = dot(way, way);
   for (int i = 0; i <= kParts; ++i) {
@@ -233,12 +237,13 @@ bool clears(const Segment& block, Point from, Point to, double r) {
            Point{arm.u * std::cos(by) - arm.v * std::sin(by), arm.u * std::sin(by) + arm.v * std::cos(by)};
     }
     const double near = whole > 0 ? std::fmax(0.0, std::fmin(1.0, dot(at - from, way) / whole)) : 0;
-    if (length(from + way * near - at) < r - kLonger_mm) return false;
+    if (length(from + way * near - at) < r - kRounded_mm) return false;
   }
   return true;
 }
 
-Between settle(const Segment& block, Vectors& start, Vectors& end, double r, bool& straight) {
+Between settle(const Segment& block, const Neighbours& beside, Vectors& start, Vectors& end, double r,
+               bool& straight) {
   straight = false;
   if (check(block, start.last(), end.first()) == Between::good) return Between::good;
   Vectors s = start, e = end;
@@ -250,7 +255,12 @@ Between settle(const Segment& block, Vectors& start, Vectors& end, double r, boo
     }
     const Segment way = line(block.from, block.to);
     if (check(block.arc ? way : block, s.last(), e.first()) != Between::good) continue;
-    if (!clears(block, block.from + s.last(), block.to + e.first(), std::fabs(r))) continue;
+    const Point from = block.from + s.last(), to = block.to + e.first();
+    const bool clear =
+        std::all_of(std::begin(beside.all), std::end(beside.all), [&](const Segment* neighbour) {
+          return neighbour == nullptr || clears(*neighbour, from, to, std::fabs(r));
+        });
+    if (!clear || !clears(block, from, to, std::fabs(r))) continue;
     s.circular = s.circular && s.count > 1;
     e.circular = false;
     start = s;

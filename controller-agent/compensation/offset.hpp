@@ -64,7 +64,8 @@ Point normal_at_start(const Segment& segment, double r);
 /// @return no vectors: the offset paths of an inside corner do not meet (alarm 33 of all controls)
 Vectors corner(const Segment& a, const Segment& b, double r, const OffsetRules& rules);
 /// The same with directions that are known: of `a` at its end, of `b` at its start.
-Vectors corner(const Segment& a, Point a_end, const Segment& b, Point b_start, double r, const OffsetRules& rules);
+Vectors corner(const Segment& a, Point a_end, const Segment& b, Point b_start, double r,
+               const OffsetRules& rules);
 /// `a` leads from a point without offset to the start of `b`.
 Vectors start_up(const Segment& a, const Segment& b, double r, const OffsetRules& rules);
 /// `b` leads to a point without offset.
@@ -86,16 +87,22 @@ enum class Between : std::uint8_t {
 };
 Between check(const Segment& block, Point start, Point end);
 
+/// The blocks before and after one, as far as they are known and followed on the same side.
+struct Neighbours {
+  const Segment* all[2] = {nullptr, nullptr};
+};
+
 /// Deletes vectors that cross each other at the two ends of a block, the nearest pair first, never the last
-/// ones of a corner (K2000TC L18078-L18145), and only where the straight way that is left does not cut the
-/// block. @return reversed: it helped not; the vectors are as they were.
+/// ones of a corner (K2000TC L18078-L18145), and only where the straight way that is left cuts neither the
+/// block nor its neighbours. @return reversed: it helped not; the vectors are as they were.
 /// `straight`: the block is an arc that must run as a line now.
-Between settle(const Segment& block, Vectors& start, Vectors& end, double r, bool& straight);
+Between settle(const Segment& block, const Neighbours& beside, Vectors& start, Vectors& end, double r,
+               bool& straight);
 
 /// Whether the straight `b` is the floor of a groove: both its neighbours rise toward the tool.
 bool is_groove(const Segment& a, const Segment& b, const Segment& c, double r);
 
-/// Whether the straight way from one point to another keeps the distance r (less 0.01 mm) from the whole
+/// Whether the straight way from one point to another keeps the distance r (less 0.001 mm) from the whole
 /// block.
 bool clears(const Segment& block, Point from, Point to, double r);
 

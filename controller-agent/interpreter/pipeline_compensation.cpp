@@ -30,8 +30,8 @@ bool is_arc(const Operation& operation) {
   return std::holds_alternative<Arc>(operation);
 }
 
-/// An arc cut on its inside: the feed holds on the programmed arc, the tool's centre is slower, down to No. 1710
-/// of it; 0: not at all (0i-D M 5.4.2.2, L5154-L5198).
+/// An arc cut on its inside: the feed holds on the programmed arc, the tool's centre is slower, down to No.
+/// 1710 of it; 0: not at all (0i-D M 5.4.2.2, L5154-L5198).
 void slow_inner_arc(const Executor& ex, Operation& operation, double programmed_mm) {
   auto* arc = std::get_if<Arc>(&operation);
   if (arc == nullptr || !ex.dialect.compensation.by_d || arc->unit == FeedUnit::inverse_time) return;
@@ -270,7 +270,14 @@ Pipeline::Closed Pipeline::close_last(Executor& ex, Vectors& end, const Entry* n
                        (last_->path.arc ? set.checks_arcs : set.checks_lines);
   if (checked) {
     bool straight = false;
-    if (comp::settle(last_->path, corner_, end, last_->mode.radius, straight) == comp::Between::reversed) {
+    const double r = last_->mode.radius;
+    const auto beside = [&](const Entry* entry) {
+      const bool same =
+          entry != nullptr && entry->role == PipelineKnown::Role::body && entry->mode.radius == r;
+      return same ? &entry->path : nullptr;
+    };
+    const comp::Neighbours neighbours{{beside(has_previous_ ? previous_.get() : nullptr), beside(next)}};
+    if (comp::settle(last_->path, neighbours, corner_, end, r, straight) == comp::Between::reversed) {
       const SourcePosition& at = motion_in(last_->op)->at;
       if (last_->after_gap) {
         raise(ex, AlarmReason::compensation_again, at, 0, {});
@@ -323,7 +330,9 @@ void Pipeline::release_previous(Executor& ex, const Entry* next) {
   // Moved on first, displaced there: what was only just written is slow to move.
   const bool to_caller = !ex.out_used;
   const std::size_t index = ex.queue.size();
-  const auto sent = [&]() -> Operation& { return to_caller ? *ex.out : ex.queue[index]; };  // the queue may grow
+  const auto sent = [&]() -> Operation& {
+    return to_caller ? *ex.out : ex.queue[index];
+  };  // the queue may grow
   send(ex, std::move(previous_->op));
   has_previous_ = false;
   displace(ex, *motion_in(sent()), mode, first);
@@ -357,7 +366,7 @@ void Pipeline::settle_here(Executor& ex) {
   if (has_last_) {
     const double r = last_->mode.radius;
     Vectors normal = comp::single(last_->vector.given ? comp::normal_of(last_->vector.direction, r)
-                                                            : comp::normal_at_end(last_->path, r));
+                                                      : comp::normal_at_end(last_->path, r));
     if (close_last(ex, normal, nullptr) == Closed::stopped) return;
   }
   release_previous(ex, nullptr);

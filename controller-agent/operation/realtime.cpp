@@ -48,7 +48,10 @@ Realtime::Realtime(const machine::Machine& machine, motion::Kernel& kernel, cons
       hand_(machine, period_s_) {
   state_.actual = drive_->actual();
   AxisVector home{};
-  for (std::size_t i = 0; i < axes_; ++i) home[i] = machine.axes[i].reference_mm;
+  for (std::size_t i = 0; i < axes_; ++i) {
+    home[i] = machine.axes[i].reference_mm;
+    if (machine.axes[i].plc) ladder_axes_ |= 1u << i;
+  }
   mechanics_.set_position(home);
   state_.sample.position = state_.base = commanded_ = drive_command_ = home;
   state_.sample.queue_empty = true;
@@ -470,7 +473,10 @@ void Realtime::step_drives(bool locked, bool emergency) noexcept {
   state_.drives_at_rest = !emergency || !drives_on_;
   for (std::size_t i = 0; i < axes_; ++i)
     if (std::abs(state_.actual[i] - before[i]) > kAtRest_mm_s * period_s_) state_.drives_at_rest = false;
-  state_.in_position = supervision_.in_position(drive_command_, state_.actual);
+  // A tool axis in step with the spindle never stands, and the ladder's axes are not the program's.
+  std::uint32_t besides = ladder_axes_;
+  if (polygon_.moving() && polygon_.settled()) besides |= 1u << polygon_.axis();
+  state_.in_position = supervision_.in_position(drive_command_, state_.actual, besides);
 }
 
 }  // namespace headstock::operation

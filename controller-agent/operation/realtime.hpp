@@ -174,6 +174,7 @@ class Realtime {
   const machine::Machine& machine_;
   const std::size_t surface_axis_;  // whose distance from the centre makes surface speed, where none is named
   const int contour_axis_;          // index, -1: none
+  std::uint32_t ladder_axes_ = 0;   // bit: axis
   motion::Kernel& kernel_;
   const TagRing& tags_;
   std::unique_ptr<axes::Drive> drive_;

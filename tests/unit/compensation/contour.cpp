@@ -81,8 +81,11 @@ double distance(Xy q, const Piece& p) {
   double a = p.turn * (angle_of(q, p.center) - angle_of(p.from, p.center));
   while (a < 0) a += kFull;
   while (a > kFull) a -= kFull;
-  if (a > sweep(p)) return ends;
-  const double r = std::hypot(p.from.x - p.center.x, p.from.y - p.center.y);
+  const double whole = sweep(p);
+  if (a > whole) return ends;
+  // Rounded words: the radius goes from that of the start to that of the end.
+  const double start = std::hypot(p.from.x - p.center.x, p.from.y - p.center.y);
+  const double r = start + a / whole * (std::hypot(p.to.x - p.center.x, p.to.y - p.center.y) - start);
   return std::min(ends, std::fabs(std::hypot(q.x - p.center.x, q.y - p.center.y) - r));
 }
 

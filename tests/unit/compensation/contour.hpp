@@ -28,9 +28,9 @@ Xy point(const Piece& piece, double fraction);
 double distance(Xy from, const Piece& to);
 double distance(Xy from, const std::vector<Piece>& to);
 
-/// End points are written with three decimals; where vectors are deleted the control links what is left by a
-/// straight line, as the manuals say, which may pass a neighbour by some micrometres less.
-inline constexpr double kTolerance = 0.02;
+/// End points and centres are written with three decimals: the centre, the start and the end of an arc are
+/// off by up to 0.7 µm each, and the straight way where vectors were deleted may be 1 µm too near.
+inline constexpr double kTolerance = 0.003;
 /// Blocks of `program_around` before the contour's first: piece i is line i + kLinesBefore + 1.
 inline constexpr unsigned kLinesBefore = 2;
 /// A program for a mill that comes to the contour's start, follows it with G41 (side > 0) or G42 and leaves

@@ -53,6 +53,19 @@ TEST(Polygon, TheToolKeepsItsRatioAndItsPhase) {
   EXPECT_EQ(bench.controller.sample().position[2], stood);
 }
 
+// A tool axis that follows its drive is never in position while it turns: nothing waits for that.
+TEST(Polygon, WithAServoThatLagsTheProgramGoesOn) {
+  ControllerOptions options;  // none given: the simulated servo drive
+  options.now_ms = [] { return std::int64_t{0}; };
+  Bench bench(with_tool_axis(), std::move(options));
+  name_tool_axis(bench);
+  bench.load("O1\nG98 G21 G97\nG00 X60. Z5.\nM03 S500\nG51.2 P1 Q2\nG01 Z-10. F600.\nG50.2\nM05\nM30\n");
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until([&] { return bench.state() != State::running && bench.periods > 100; }, 60));
+  EXPECT_EQ(bench.state(), State::idle);
+  EXPECT_EQ(bench.controller.sample().position[1], -10);
+}
+
 TEST(Polygon, TooFastForTheToolAxisIsAnAlarmBeforeItTurns) {
   machine::Machine machine = with_tool_axis();
   machine.axes[2].max_feed_mm_min = 100'000;
