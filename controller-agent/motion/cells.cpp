@@ -26,7 +26,8 @@ constexpr double kLongSmoothing_s = 0.010;
 // the first order, and half the way is enough.
 constexpr double kWindowMargin = 1.0, kSmoothMargin = 0.1;
 constexpr double kSmoothWindow = 0.2, kJumpInWindow = 0.05;  // found by the property tests, not by a proof
-constexpr double kJump = 0.02;     // of the acceleration: error of a step's middle that is small enough
+// Of the acceleration: error of a step's middle that is small enough. Averaging adds errors of its own.
+constexpr double kJump = 0.012, kJumpUnsmoothed = 0.02;
 constexpr double kJerkJump = 0.5;  // of the jerk: change of what twist takes of it that is small enough
 // A bend is cut into at most so many cells, as far as its reach makes a share of it worth telling apart.
 struct BendParts {
@@ -170,10 +171,11 @@ bool CellMaker::smooth_around(const Span& span, double speed) const {
   const double factor = speed * speed * speed * period_s_ *
                         std::max(1.0, kJumpInWindow * static_cast<double>(smoothing_periods_));
   const double twist = 6 * speed * speed * speed;
+  const double small = smoothing_periods_ > 1 ? kJump : kJumpUnsmoothed;
   const auto jumps = [&](const Span& other) {
     for (std::size_t i = 0; i < axes_.size(); ++i) {
       const double jump = std::abs(span.c[3][i] - other.c[3][i]);
-      if (jump * factor > kJump * axes_[i].acceleration || jump * twist > kJerkJump * axes_[i].jerk)
+      if (jump * factor > small * axes_[i].acceleration || jump * twist > kJerkJump * axes_[i].jerk)
         return true;
     }
     return false;
