@@ -6,10 +6,10 @@
 // acceleration a, jerk j along the path its limits hold when
 //     rate v <= V      bend v² + rate |a| <= A      twist v³ + 3 bend v |a| + rate |j| <= J.
 // The moving average of `smoothing_s` makes |j| <= 2 max|a| / smoothing_s, which turns the third into a limit
-// on a; twist v³ there is taken as twist v_max v², so that it is linear in v² as the others are. Because
-// averaged values mix what happened within that time, each cell's limits are also laid on everything within
-// its own highest speed times half that time, before and behind ("spreading"): a window whose average lies
-// here and that reaches farther would have gone faster than allowed near here.
+// on a that falls with v; a line in v² below it takes its place, so that it is linear in v² as the others
+// are. Because averaged values mix what happened within that time, each cell's limits are also laid on
+// everything within its own highest speed times half that time, before and behind ("spreading"): a window
+// whose average lies here and that reaches farther would have gone faster than allowed near here.
 #pragma once
 
 #include <algorithm>
