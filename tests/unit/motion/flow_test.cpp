@@ -12,15 +12,16 @@
 namespace headstock::motion {
 namespace {
 
-constexpr double kRadius = 30, kFeed = 100;
-constexpr double kJerks[] = {50'000, 500'000, 1e12};
+constexpr double kCircle_mm = 30, kFlow_mm_s = 100;
+constexpr double kFlowJerks[] = {50'000, 500'000, 1e12};
 
 std::vector<Move> chords_of_a_circle() {
   std::vector<Move> moves;
-  const int count = static_cast<int>(2 * M_PI * kRadius / 0.1);
+  const int count = static_cast<int>(2 * M_PI * kCircle_mm / 0.1);
   for (int i = 1; i <= count; ++i) {
     const double angle = 2 * M_PI * i / count;
-    moves.push_back(rig::line({kRadius * std::cos(angle) - kRadius, kRadius * std::sin(angle)}, kFeed));
+    moves.push_back(
+        rig::line({kCircle_mm * std::cos(angle) - kCircle_mm, kCircle_mm * std::sin(angle)}, kFlow_mm_s));
     moves.back().tag = moves.size();
   }
   return moves;
@@ -31,13 +32,13 @@ std::vector<Move> wave(double grid_mm) {
   std::vector<Move> moves;
   for (int i = 1; i <= 400; ++i) {
     const double x = 0.1 * i, z = 2 * std::sin(0.8 * x);
-    moves.push_back(rig::line({x, std::round(z / grid_mm) * grid_mm}, kFeed));
+    moves.push_back(rig::line({x, std::round(z / grid_mm) * grid_mm}, kFlow_mm_s));
     moves.back().tag = moves.size();
   }
   return moves;
 }
 
-rig::Run traced(const machine::Machine& machine, const std::vector<Move>& moves, double feed_override = 1) {
+rig::Run flowing(const machine::Machine& machine, const std::vector<Move>& moves, double feed_override = 1) {
   rig::Options options;
   options.overrides = [=](std::size_t) {
     Overrides overrides;
@@ -60,22 +61,22 @@ double distance_to_chord(const AxisVector& p, const AxisVector& a, const AxisVec
 }
 
 TEST(Flow, SpeedRipplesOnePercentAtMostOnChordsOfACircle) {
-  for (const double jerk : kJerks) {
-    const auto run = traced(rig::machine(2, 500, 2000, jerk), chords_of_a_circle());
-    double slowest = kFeed, fastest = 0;
+  for (const double jerk : kFlowJerks) {
+    const auto run = flowing(rig::machine(2, 500, 2000, jerk), chords_of_a_circle());
+    double slowest = kFlow_mm_s, fastest = 0;
     for (std::size_t i = run.samples.size() / 8; i < 7 * run.samples.size() / 8; ++i) {
       slowest = std::min(slowest, run.samples[i].path_speed_mm_s);
       fastest = std::max(fastest, run.samples[i].path_speed_mm_s);
     }
     EXPECT_LE(fastest, 1.01 * slowest) << jerk;
-    EXPECT_GT(slowest, 0.99 * kFeed) << jerk;
+    EXPECT_GT(slowest, 0.99 * kFlow_mm_s) << jerk;
   }
 }
 
 TEST(Flow, AccelerationDoesNotReturnToZeroAtJunctions) {
-  for (const double jerk : kJerks) {
-    const auto run = traced(rig::machine(2, 500, 2000, jerk), chords_of_a_circle());
-    const double of_the_circle = kFeed * kFeed / kRadius;
+  for (const double jerk : kFlowJerks) {
+    const auto run = flowing(rig::machine(2, 500, 2000, jerk), chords_of_a_circle());
+    const double of_the_circle = kFlow_mm_s * kFlow_mm_s / kCircle_mm;
     for (std::size_t i = run.samples.size() / 8; i < 7 * run.samples.size() / 8; ++i) {
       const auto& p = run.samples;
       double square = 0;
@@ -91,11 +92,11 @@ TEST(Flow, AccelerationDoesNotReturnToZeroAtJunctions) {
 TEST(Flow, ThePathIsTheSameAtEveryOverride) {
   const auto machine = rig::machine(2, 500, 2000, 500'000);
   for (const auto& moves : {chords_of_a_circle(), wave(0.001)}) {
-    const auto slow = traced(machine, moves, 0.1).samples;  // 0.01 mm a period: its chords leave out 2e-5 mm
+    const auto slow = flowing(machine, moves, 0.1).samples;  // 0.01 mm a period: its chords leave out 2e-5 mm
     for (const double feed : {0.3, 0.75, 1.0, 1.5, 2.54}) {
       std::size_t at = 0;
       double farthest = 0;
-      for (const Sample& sample : traced(machine, moves, feed).samples) {
+      for (const Sample& sample : flowing(machine, moves, feed).samples) {
         double nearest = 1;
         for (std::size_t k = at; k + 1 < slow.size() && k < at + 100; ++k) {
           const double off = distance_to_chord(sample.position, slow[k].position, slow[k + 1].position);
@@ -111,9 +112,9 @@ TEST(Flow, ThePathIsTheSameAtEveryOverride) {
 }
 
 TEST(Flow, RoundingTheProgramToMicrometresCostsNoTime) {
-  for (const double jerk : kJerks) {
+  for (const double jerk : kFlowJerks) {
     const auto machine = rig::machine(2, 500, 2000, jerk);
-    EXPECT_LT(traced(machine, wave(0.001)).time_s, 1.03 * traced(machine, wave(1e-9)).time_s) << jerk;
+    EXPECT_LT(flowing(machine, wave(0.001)).time_s, 1.03 * flowing(machine, wave(1e-9)).time_s) << jerk;
   }
 }
 
