@@ -86,10 +86,10 @@ function(headstock_program name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 endfunction()
 
-# headstock_test(NAME SOURCES … DEPENDS … LABELS … COMPUTES): a GoogleTest program, run whole by ctest (one case of it:
-# `NAME --gtest_filter=…`). What is tested is optimised; the tests themselves only where they compute (a reference, a search).
+# headstock_test(NAME SOURCES … DEPENDS … LABELS … SECONDS n COMPUTES): a GoogleTest program, run whole by ctest (one case of it:
+# `NAME --gtest_filter=…`), those that take long by SECONDS first. What is tested is optimised; the tests themselves only where they compute (a reference, a search).
 function(headstock_test name)
-  cmake_parse_arguments(ARG "COMPUTES" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "COMPUTES" "SECONDS" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   if(NOT ARG_COMPUTES)
     target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O0>)
@@ -102,4 +102,7 @@ function(headstock_test name)
   endif()
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 600)
+  if(ARG_SECONDS)
+    set_tests_properties(${name} PROPERTIES COST ${ARG_SECONDS})
+  endif()
 endfunction()
