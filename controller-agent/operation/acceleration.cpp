@@ -87,6 +87,7 @@ constexpr Row kRows[] = {
     {"k2000tc", cutting, Way::down, "P6431", 0, mean},
     {"k2000tc", thread, Way::up, "P6480", 0, mean},
     {"k2000tc", thread, Way::down, "P6481", 0, mean},
+    {"k2000tc", retreat, Way::both, "P6483", 0, mean},  // L3961, L12834
     // 200T/300T: time from standing to the highest cutting feed, for every motion (L8016-L8055)
     {"lathe-200t", rapid, Way::both, "AX2.1", 'X', time_to_highest},
     {"lathe-200t", rapid, Way::both, "AX2.2", 'Z', time_to_highest},
@@ -151,6 +152,15 @@ AccelerationRules AccelerationRules::read(const machine::Machine& machine, const
       reader.take(row, i, data.parameter(number));
     }
   }
+  // Without an acceleration of its own a retreat is a positioning; a ratio then counts from the machine's.
+  Kind& back = rules.kinds_[static_cast<std::size_t>(retreat)];
+  if (!(back.up.along > 0)) {
+    back = rules.kinds_[static_cast<std::size_t>(rapid)];
+    for (std::size_t i = 0; i < machine.axes.size(); ++i) {
+      for (Limit* limit : {&back.up, &back.down})
+        lower(limit->axis[i], machine.axes[i].max_acceleration_mm_s2);
+    }
+  }
   return rules;
 }
 
@@ -167,15 +177,15 @@ double AccelerationRules::allowed(const Limit& limit, const motion::Curve& curve
   return most;
 }
 
-void AccelerationRules::apply(const motion::Curve& curve, motion::Move& move, MotionKind kind,
-                              double rpm) const {
+void AccelerationRules::apply(const motion::Curve& curve, motion::Move& move, MotionKind kind, double rpm,
+                              double ratio) const {
   double feed_mm_s = 0;
   if (const auto* feed = std::get_if<motion::PathFeed>(&move.feed)) feed_mm_s = feed->mm_s;
   if (const auto* feed = std::get_if<motion::RevolutionFeed>(&move.feed)) feed_mm_s = feed->mm_rev * rpm / 60;
   if (const auto* cut = std::get_if<motion::ThreadFeed>(&move.feed)) feed_mm_s = cut->lead_mm * rpm / 60;
   const Kind& limits = kinds_[static_cast<std::size_t>(kind)];
-  move.speed_up_mm_s2 = allowed(limits.up, curve, feed_mm_s);
-  move.slow_down_mm_s2 = allowed(limits.down, curve, feed_mm_s);
+  move.speed_up_mm_s2 = allowed(limits.up, curve, feed_mm_s) * ratio;
+  move.slow_down_mm_s2 = allowed(limits.down, curve, feed_mm_s) * ratio;
 }
 
 }  // namespace headstock::operation

@@ -21,8 +21,8 @@ namespace headstock::operation {
 using machine::AxisVector;
 
 /// What a move's acceleration is chosen by.
-enum class MotionKind : std::uint8_t { rapid, cutting, cutting_ahead, thread };
-inline constexpr std::size_t kMotionKinds = 4;
+enum class MotionKind : std::uint8_t { rapid, cutting, cutting_ahead, thread, retreat };
+inline constexpr std::size_t kMotionKinds = 5;
 
 /// Look-ahead thread. 0 everywhere: only what the machine file says.
 class AccelerationRules {
@@ -30,9 +30,12 @@ class AccelerationRules {
   /// What the parameters of this controller say; one that is not set limits nothing.
   static AccelerationRules read(const machine::Machine& machine, const interp::MachineData& data);
 
-  /// Sets Move::speed_up_mm_s2 and slow_down_mm_s2.
+  /// Sets Move::speed_up_mm_s2 and slow_down_mm_s2. `retreat` is a positioning away from a thread; a control
+  /// that has nothing of its own for it goes as in any positioning.
   /// @param rpm that a feed per revolution and a thread are taken at
-  void apply(const motion::Curve& curve, motion::Move& move, MotionKind kind, double rpm) const;
+  /// @param ratio of the acceleration of a retreat (K2000TC J/K)
+  void apply(const motion::Curve& curve, motion::Move& move, MotionKind kind, double rpm,
+             double ratio = 1) const;
 
  private:
   struct Limit {
