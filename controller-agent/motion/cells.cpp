@@ -30,12 +30,11 @@ struct BendParts {
   double most, blur;
 };
 constexpr BendParts kParts{6, 0.08}, kPartsUnsmoothed{8, 0.05};
-constexpr std::size_t kMostSmoothing = 1024;
 
 }  // namespace
 
 CellMaker::CellMaker(const machine::Machine& machine) : period_s_(machine.period_us * 1e-6) {
-  double longest = 0, fastest = 0;
+  double longest = 0;
   for (const machine::Axis& axis : machine.axes) {
     const bool limited = axis.max_jerk_mm_s3 < kJerkUnlimited;
     axes_.push_back({kVelocity * axis.max_feed_mm_min / 60, kVelocity * axis.rapid_mm_min / 60,
@@ -43,19 +42,41 @@ CellMaker::CellMaker(const machine::Machine& machine) : period_s_(machine.period
                      limited ? kJerk * axis.max_jerk_mm_s3 : kAny});
     if (limited) longest = std::max(longest, axis.max_acceleration_mm_s2 / axis.max_jerk_mm_s3);
     jerk_limited_ = jerk_limited_ || limited;
-    fastest = std::hypot(fastest, std::max(axis.max_feed_mm_min, axis.rapid_mm_min) / 60);
+    fastest_ = std::hypot(fastest_, std::max(axis.max_feed_mm_min, axis.rapid_mm_min) / 60);
   }
-  smoothing_periods_ = std::clamp<std::size_t>(
+  own_smoothing_ = std::clamp<std::size_t>(
       static_cast<std::size_t>(
           std::lround(std::max(longest, std::min(2 * longest, kLongSmoothing_s)) / period_s_)),
       1, kMostSmoothing);
+  smooth(own_smoothing_, false);
+}
+
+/// @param asked_for for a bell, not for the jerk: how far the limits of a smooth path have to reach was found
+/// for the short averages only
+void CellMaker::smooth(std::size_t periods, bool asked_for) {
+  smoothing_periods_ = periods;
   smoothing_s_ = static_cast<double>(smoothing_periods_) * period_s_;
   // The average lies in the middle of what it averages: no value of a window is farther from it than half a
   // window at the highest speed there.
   window_s_ = (0.5 * (static_cast<double>(smoothing_periods_) - 1) + kWindowMargin) * period_s_;
   smooth_window_s_ =
       (kSmoothWindow * (static_cast<double>(smoothing_periods_) - 1) + kSmoothMargin) * period_s_;
-  longest_reach_ = fastest * window_s_;
+  if (asked_for) smooth_window_s_ = window_s_;
+  longest_reach_ = fastest_ * window_s_;
+}
+
+/// The path goes on behind a stop: with the shape of the move that begins there.
+void CellMaker::begin_stretch(double from) {
+  constexpr double kRounding_mm = 1e-9;
+  const auto found = std::find_if(sections_.begin(), sections_.end(), [&](const FeedSection& section) {
+    return section.end > from + kRounding_mm;
+  });
+  if (found == sections_.end()) return;
+  const FeedSection& first = *found;
+  shape_ = first.shape;
+  const auto bell = static_cast<std::size_t>(std::lround(std::min(first.bell_s, kLongestBell_s) / period_s_));
+  const std::size_t periods = std::min(std::max(own_smoothing_, bell), kMostSmoothing);
+  if (periods != smoothing_periods_) smooth(periods, periods > own_smoothing_);
 }
 
 void CellMaker::reset() {
@@ -166,6 +187,7 @@ void CellMaker::add(const Span& span) {
     cut(*pending_);
     previous_ = *pending_;
   }
+  if (!pending_) begin_stretch(span.begin);
   pending_ = span;
   if (!span.stop) return;
   following_ = nullptr;
@@ -192,6 +214,8 @@ void CellMaker::cut(const Span& span) {
     cell.begin = from;
     cell.end = to;
     cell.straight = span.straight;
+    cell.shape = shape_;
+    cell.smoothing = static_cast<std::uint16_t>(smoothing_periods_);
     measure(span, from, to, cell);
     add_cell(cell, span.stop && i == parts);
     from = to;
@@ -265,6 +289,8 @@ bool CellMaker::next(Cell& out) {
   out.begin = raw.begin;
   out.end = raw.end;
   out.stop = raw.stop;
+  out.shape = raw.shape;
+  out.smoothing = raw.smoothing;
   out.kind = raw.kind;
   out.reference_rpm = raw.reference_rpm;
   out.speed_up = raw.speed_up;
@@ -277,7 +303,7 @@ bool CellMaker::next(Cell& out) {
     out.gain[out.axes] = axes_[i].acceleration / raw.rate[i];
     // Curvature that helps is counted on only without averaging: the average of v² is not the average's
     // square.
-    const double help = smoothing_periods_ > 1 ? 0 : -kAny;
+    const double help = raw.smoothing > 1 ? 0 : -kAny;
     out.loss_up[out.axes] = std::max(help, raw.bend_up[i]) / raw.rate[i];
     out.loss_down[out.axes] = std::max(help, raw.bend_down[i]) / raw.rate[i];
     ++out.axes;

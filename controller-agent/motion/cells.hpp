@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "machine/machine.hpp"
+#include "motion/axis_filter.hpp"
 #include "motion/smoothing.hpp"
 
 namespace headstock::motion {
@@ -37,6 +38,8 @@ using PerPlan = std::array<double, kPlanCount>;
 struct Cell {
   double begin = 0, end = 0;  ///< programmed length [mm]
   bool stop = false;          ///< the path stops at `end`
+  std::uint8_t shape = 0;     ///< Move::shape; the same from one stop to the next
+  std::uint16_t smoothing = 1;  ///< periods of the moving average; the same from one stop to the next
   FeedKind kind = FeedKind::feed;
   double reference_rpm = 0;  ///< of feed per revolution
   std::size_t axes = 0;
@@ -109,12 +112,16 @@ struct FeedSection {
   /// Acceleration and braking along the path [mm/s²].
   double speed_up = std::numeric_limits<double>::infinity();
   double slow_down = std::numeric_limits<double>::infinity();
+  std::uint8_t shape = 0;  ///< Move::shape
+  double bell_s = 0;       ///< AccelerationShape::bell_s; both change at stops only
 };
 
 /// A cell before it is final.
 struct RawCell {
   double begin = 0, end = 0;
   bool straight = false, stop = false;
+  std::uint8_t shape = 0;
+  std::uint16_t smoothing = 1;
   FeedKind kind = FeedKind::feed;
   double reference_rpm = 0;
   AxisVector rate{};                    ///< largest |q'|
@@ -130,9 +137,10 @@ class CellMaker {
  public:
   explicit CellMaker(const machine::Machine& machine);
 
+  static constexpr std::size_t kMostSmoothing = 1024;  ///< periods
   double period_s() const { return period_s_; }
-  /// Periods of the moving average.
-  std::size_t smoothing_periods() const { return smoothing_periods_; }
+  /// Periods of the moving average where no bell asks for more.
+  std::size_t smoothing_periods() const { return own_smoothing_; }
 
   void reset();
   void add_section(const FeedSection& section) { sections_.push_back(section); }
@@ -144,6 +152,8 @@ class CellMaker {
   struct AxisLimits {
     double feed, rapid, acceleration, jerk;
   };
+  void smooth(std::size_t periods, bool asked_for);
+  void begin_stretch(double from);
   void append(RawCell cell);
   void spread_back(const RawCell& from);
   void cut(const Span& span);
@@ -155,9 +165,10 @@ class CellMaker {
 
   std::vector<AxisLimits> axes_;
   double period_s_;
-  std::size_t smoothing_periods_ = 1;
+  std::size_t own_smoothing_ = 1, smoothing_periods_ = 1;
+  std::uint8_t shape_ = 0;
   double smoothing_s_ = 0, window_s_ = 0, smooth_window_s_ = 0;
-  double longest_reach_ = 0;
+  double longest_reach_ = 0, fastest_ = 0;
   bool jerk_limited_ = false;
   std::deque<FeedSection> sections_;
   std::deque<RawCell> staged_;     // since the last stop, not final

@@ -32,6 +32,8 @@ struct MoveOnPath {
   double length_end = 0;
   FeedKind kind = FeedKind::feed;
   bool block_end = true, skip = false;
+  double begin = 0;
+  bool after_exact_stop = false;  // behind which the drives are waited for
   ThreadCourse thread;
 };
 
@@ -39,7 +41,14 @@ struct MoveOnPath {
 struct Restart {
   AxisVector position{};
   std::uint64_t cell = 0, span = 0, move = 0;
+  Kernel::Shapes shapes{};
 };
+
+AxisVector jerks_of(const machine::Machine& machine) {
+  AxisVector jerks{};
+  for (std::size_t i = 0; i < machine.axes.size(); ++i) jerks[i] = machine.axes[i].max_jerk_mm_s3;
+  return jerks;
+}
 
 }  // namespace
 
@@ -51,8 +60,10 @@ struct Kernel::Impl {
         smoother(axes),
         maker(machine),
         plan(cells),
-        law(cells, period_s, maker.smoothing_periods()) {
+        law(cells, period_s, maker.smoothing_periods()),
+        filter(axes, period_s, jerks_of(machine)) {
     for (std::size_t i = 0; i < axes; ++i) rapid_mm_s[i] = machine.axes[i].rapid_mm_min / 60;
+    own_smoothing = maker.smoothing_periods();
     restart(AxisVector{});
     take_restart();
   }
@@ -64,10 +75,11 @@ struct Kernel::Impl {
     path_end = position;
     path_length = 0;
     previous_kind = FeedKind::rapid;
-    anything_pushed = false;
+    anything_pushed = exact_stop_before = false;
+    previous_shape = 0;
     cells_done = cells_written;
     const std::uint64_t next = restart_count.load(std::memory_order_relaxed) + 1;
-    restarts[next % restarts.size()] = {position, cells_written, spans_written, moves_written};
+    restarts[next % restarts.size()] = {position, cells_written, spans_written, moves_written, shapes};
     complete.store(cells_written, std::memory_order_release);
     aborting.store(false, std::memory_order_relaxed);
     stood.store(false, std::memory_order_relaxed);
@@ -80,6 +92,8 @@ struct Kernel::Impl {
     info.tag = move.tag;
     info.block_end = move.block_end;
     info.skip = move.skip;
+    info.begin = path_length;
+    info.after_exact_stop = exact_stop_before;
     Piece piece;
     piece.curve = Curve::from(path_end, move, axes);
     piece.begin = path_length;
@@ -90,7 +104,11 @@ struct Kernel::Impl {
     info.end = has_length ? piece.curve.end : path_end;
     if (has_length) {
       const bool thread_edge = (section.kind == FeedKind::thread) != (previous_kind == FeedKind::thread);
-      if (thread_edge && anything_pushed) smoother.stop_at_end();
+      const std::uint8_t shape = move.shape < kShapes ? move.shape : std::uint8_t{0};
+      if ((thread_edge || shape != previous_shape) && anything_pushed) smoother.stop_at_end();
+      section.shape = previous_shape = shape;
+      section.bell_s = shapes[shape].bell_s;
+      exact_stop_before = move.exact_stop;
       path_length += piece.curve.length;
       path_end = piece.curve.end;
       piece.end = path_length;
@@ -110,6 +128,7 @@ struct Kernel::Impl {
       anything_pushed = true;
     } else if (piece.stop) {
       smoother.stop_at_end();
+      exact_stop_before = exact_stop_before || move.exact_stop;
     }
     info.length_end = path_length;
     moves.publish(++moves_written);
@@ -190,10 +209,14 @@ struct Kernel::Impl {
     if (count == restart_taken) return;
     restart_taken = count;
     const Restart& from = restarts[count % restarts.size()];
-    standing = from.position;
+    standing = placed = from.position;
+    shapes_in_force = from.shapes;
+    shape_in_force = 0;
+    filter.set(shapes_in_force[0], standing, 0, 0);
     span_cursor = from.span;
     move_cursor = leading_move = from.move;
     law.reset(0, from.cell);
+    law.smooth(own_smoothing, 0);
     sync.stop();
     single = {};
     skipped = false;
@@ -235,15 +258,17 @@ struct Kernel::Impl {
     const bool dropping = skipped || aborting.load(std::memory_order_acquire);
     if (law.at_rest()) {
       if (dropping) {
-        stood.store(true, std::memory_order_release);
+        if (filter.empty()) stood.store(true, std::memory_order_release);
         demand.ratio = 0;
         return demand;
       }
-      if (!stands_at_block_end(overrides) && !overrides.hold) law.pass_stop();
+      if (!stands_at_block_end(overrides) && !overrides.hold && filter.empty() && !awaits_drives(overrides))
+        law.pass_stop();
       if (single.standing || !may_start()) {
         demand.ratio = 0;
         return demand;
       }
+      take_shape();
     } else {
       patience = 0;
     }
@@ -271,6 +296,38 @@ struct Kernel::Impl {
         demand.ratio = feed;
     }
     return demand;
+  }
+
+  /// Standing at an exact stop while the drives are still on their way to it?
+  bool awaits_drives(const Overrides& overrides) {
+    if (overrides.in_position) return false;
+    const MoveOnPath* next = leading();
+    return next && next->after_exact_stop && law.leading_length() <= next->begin;
+  }
+
+  /// At rest: how the stretch ahead speeds up and slows down. It changes at stops only, where nothing is left
+  /// in the filter.
+  void take_shape() {
+    const Cell& cell = cells[law.cell()];
+    if (filter.empty() && cell.shape != shape_in_force) {
+      shape_in_force = cell.shape;
+      const AccelerationShape& shape = shapes_in_force[shape_in_force];
+      filter.set(shape, standing, law.length(), leading_axis(shape, cell.kind));
+    }
+    law.smooth(cell.smoothing, filter.lag_s());
+  }
+
+  /// Whose lag is that of the length along the path: of a thread the axis that moves most, otherwise the
+  /// slowest.
+  std::size_t leading_axis(const AccelerationShape& shape, FeedKind kind) {
+    const MoveOnPath* next = kind == FeedKind::thread ? leading() : nullptr;
+    std::size_t most = 0;
+    for (std::size_t i = 1; i < axes; ++i) {
+      const bool more = next ? std::abs(next->end[i] - standing[i]) > std::abs(next->end[most] - standing[most])
+                             : shape.after_s[i] > shape.after_s[most];
+      if (more) most = i;
+    }
+    return most;
   }
 
   /// Standing at a block end? Takes the operator's go-ahead.
@@ -311,7 +368,7 @@ struct Kernel::Impl {
 
   void latch_skip(const Overrides& overrides, Sample& sample) {
     if (!skipped && overrides.skip_signal && sample.moving) {
-      const MoveOnPath* tracing = move_at(move_cursor, law.length());
+      const MoveOnPath* tracing = move_at(move_cursor, traced());
       if (tracing && tracing->skip) {
         skipped = true;
         skip_position = sample.position;
@@ -321,32 +378,42 @@ struct Kernel::Impl {
     sample.skip_position = skip_position;
   }
 
+  /// Length along the path that the axes have come to.
+  double traced() const { return filter.active() ? filter.length() : law.length(); }
+
   Sample step(const Overrides& overrides, double phase_rad, double rpm) {
     take_restart();
     const Demand wanted = demand(overrides, phase_rad, rpm);
     const double before = law.length();
-    const AxisVector position_before = standing;
+    const AxisVector position_before = placed;
     law.advance(wanted);
     Sample sample;
     const std::uint64_t last_span = spans.published();
     while (span_cursor + 1 < last_span && spans[span_cursor].end <= law.length()) ++span_cursor;
     if (law.length() != before && span_cursor < last_span)
       standing = spans[span_cursor].position(law.length());
-    sample.position = standing;
-    for (std::size_t i = 0; i < axes; ++i) sample.velocity[i] = (standing[i] - position_before[i]) / period_s;
+    placed = filter.active() ? filter.step(standing, law.length()) : standing;
+    sample.position = placed;
+    for (std::size_t i = 0; i < axes; ++i) sample.velocity[i] = (placed[i] - position_before[i]) / period_s;
     sample.path_speed_mm_s = (law.length() - before) / period_s;
-    sample.moving = !law.at_rest();
+    if (filter.active()) {
+      double sum = 0;
+      for (std::size_t i = 0; i < axes; ++i) sum += sample.velocity[i] * sample.velocity[i];
+      sample.path_speed_mm_s = std::sqrt(sum);
+    }
+    sample.moving = !law.at_rest() || !filter.empty();
     sample.threading = wanted.follow;
     if (wanted.follow) sample.thread_error_mm = law.leading_length() - wanted.target;
     const std::uint64_t last_cell = cells.published();
     sample.queue_empty = last_cell == law.cell() ||
                          (law.cell() + 1 == last_cell && law.leading_length() == cells[law.cell()].end);
-    const MoveOnPath* tracing = move_at(move_cursor, law.length());
+    const MoveOnPath* tracing = move_at(move_cursor, traced());
     if (tracing) {
       sample.tag = tracing->tag;
-      for (std::size_t i = 0; i < axes; ++i) sample.distance_to_go[i] = tracing->end[i] - standing[i];
+      for (std::size_t i = 0; i < axes; ++i) sample.distance_to_go[i] = tracing->end[i] - placed[i];
     }
-    sample.starved = sample.queue_empty && tracing && tracing->length_end > law.leading_length();
+    const MoveOnPath* last = filter.active() ? leading() : tracing;
+    sample.starved = sample.queue_empty && last && last->length_end > law.leading_length();
     sample.queue_empty = sample.queue_empty && !sample.moving && !sample.starved;
     if (!sample.moving && !single.standing && single.chosen && law.leading_length() == single.at) {
       single.standing = true;
@@ -362,6 +429,7 @@ struct Kernel::Impl {
   const double highest_rpm;
   AxisVector rapid_mm_s{};
   const double period_s;
+  std::size_t own_smoothing = 1;  // periods
 
   // between the threads
   Ring<MoveOnPath> moves{kQueueMoves};
@@ -376,7 +444,9 @@ struct Kernel::Impl {
   AxisVector path_end{};
   double path_length = 0;
   FeedKind previous_kind = FeedKind::rapid;
-  bool anything_pushed = false, finished = false;
+  bool anything_pushed = false, finished = false, exact_stop_before = false;
+  Shapes shapes{};
+  std::uint8_t previous_shape = 0;
   Smoother smoother;
   CellMaker maker;
   SpeedPlan plan;
@@ -384,8 +454,12 @@ struct Kernel::Impl {
 
   // real-time thread
   TimeLaw law;
+  AxisFilter filter;
+  Shapes shapes_in_force{};
+  std::uint8_t shape_in_force = 0;
   ThreadSync sync;
-  AxisVector standing{};
+  AxisVector standing{};  // where the interpolation is …
+  AxisVector placed{};    // … and, behind the filter, the axes
   struct {
     bool chosen = false, standing = false;
     double at = 0, passed = -1;  // lengths; a block end that was stopped at is not stopped at again
@@ -399,6 +473,10 @@ struct Kernel::Impl {
 
 Kernel::Kernel(const machine::Machine& machine) : impl_(std::make_unique<Impl>(machine)) {}
 Kernel::~Kernel() = default;
+
+void Kernel::set_shapes(const Shapes& shapes) {
+  impl_->shapes = shapes;
+}
 
 void Kernel::set_position(const AxisVector& position) {
   impl_->finished = false;

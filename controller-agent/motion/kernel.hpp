@@ -4,12 +4,14 @@
 // what it guarantees.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <variant>
 
 #include "machine/machine.hpp"
+#include "motion/axis_filter.hpp"
 
 namespace headstock::motion {
 
@@ -64,6 +66,7 @@ struct Move {
   double speed_up_mm_s2 = 0;   ///< acceleration along the path at most; 0: only what the axes can do
   double slow_down_mm_s2 = 0;  ///< the same when braking, whatever for
   bool free_path = false;      ///< non-interpolated positioning: how the axes get there is not programmed
+  std::uint8_t shape = 0;      ///< of Kernel::set_shapes(); between moves of different shapes the axes stop
 };
 
 /// The feed is never raised above this, whatever the switch says (0…254 % is the widest of the controllers'
@@ -80,6 +83,8 @@ struct Overrides {
   bool single_block = false;
   std::uint32_t go = 0;      ///< each change lets one single-block stop go on
   bool skip_signal = false;  ///< latches the position and ends a move that has `skip`
+  /// The drives have come to what they were commanded: only then goes it on behind an exact stop.
+  bool in_position = true;
 };
 
 /// One period's result.
@@ -104,12 +109,17 @@ class Kernel {
   /// Moves the queue takes before can_push() says no.
   static constexpr std::size_t kQueueMoves = 4096;
 
+  static constexpr std::size_t kShapes = 4;
+  using Shapes = std::array<AccelerationShape, kShapes>;
+
   explicit Kernel(const machine::Machine& machine);
   ~Kernel();
   Kernel(const Kernel&) = delete;
   Kernel& operator=(const Kernel&) = delete;
 
   // ---- look-ahead thread
+  /// What Move::shape is about, from the next set_position() on.
+  void set_shapes(const Shapes& shapes);
   /// Standing at this position with an empty queue; also what ends an abort. Precondition: at rest.
   void set_position(const AxisVector& position);
   /// Room for one more move?

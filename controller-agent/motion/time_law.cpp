@@ -43,7 +43,17 @@ TimeLaw::TimeLaw(const Ring<Cell>& cells, double period_s, std::size_t smoothing
     : cells_(cells),
       period_s_(period_s),
       window_(std::max<std::size_t>(1, smoothing_periods), 0.0),
-      stop_(kStopCells) {}
+      stop_(kStopCells) {
+  window_.reserve(CellMaker::kMostSmoothing);
+}
+
+void TimeLaw::smooth(std::size_t periods, double lag_after_s) {
+  lag_after_s_ = lag_after_s;
+  if (periods == window_.size()) return;
+  window_.assign(periods, leading_);  // within what is reserved
+  newest_ = 0;
+  still_ = window_.size();
+}
 
 void TimeLaw::reset(double length, std::uint64_t cell) {
   std::fill(window_.begin(), window_.end(), length);

@@ -40,8 +40,10 @@ class TimeLaw {
   /// Acceleration that may be used now at this speed [mm/s²].
   double acceleration_at(double speed) const;
   double braking_at(double speed) const;
-  /// How much the moving average lags behind [s].
-  double lag_s() const { return 0.5 * static_cast<double>(window_.size() - 1) * period_s_; }
+  /// At rest: the moving average of what comes next. @param lag_after_s of what follows behind the law
+  void smooth(std::size_t periods, double lag_after_s);
+  /// How much the moving average, and what follows it, lag behind [s].
+  double lag_s() const { return 0.5 * static_cast<double>(window_.size() - 1) * period_s_ + lag_after_s_; }
   enum class StopPlan : std::uint8_t { possible, impossible, too_far };
   /// Can the law come to rest at this length, ahead of it? Makes the plan that Demand::stop_at then follows.
   StopPlan plan_stop(double length);
@@ -61,7 +63,7 @@ class TimeLaw {
   std::vector<double> window_;
   std::size_t newest_ = 0;
   std::size_t still_ = 0;  // periods `leading_` has not moved
-  double leading_ = 0, speed_ = 0, length_ = 0;
+  double leading_ = 0, speed_ = 0, length_ = 0, lag_after_s_ = 0;
   std::uint64_t cell_ = 0;
   struct StopCell {
     double next = 0;     // v² where the cell ends
