@@ -11,6 +11,7 @@
 #include "command-line/offline/coverage.hpp"
 #include "command-line/offline/offline.hpp"
 #include "dialects/catalogue.hpp"
+#include "operation/acceleration_modes.hpp"
 
 namespace headstock::offline {
 namespace {
@@ -68,18 +69,34 @@ Listing gcodes_of(std::string_view profile) {
   return out;
 }
 
+Listing acceleration_of(std::string_view profile) {
+  Listing out{"acceleration", {"motion", "parameter", "curve", "place", "value", "when", "when_2"}, {}, 5};
+  for (const operation::AccelerationRow& row : operation::acceleration_rows()) {
+    if (!profile.starts_with(row.profile)) continue;
+    out.rows.push_back({operation::name_of(row.kind), row.parameter, operation::curve_of(row.unit),
+                        operation::place_of(row.unit), operation::value_of(row.unit), row.first.bit,
+                        row.second.bit});
+  }
+  for (const operation::AccelerationGap& gap : operation::acceleration_gaps())
+    if (profile.starts_with(gap.profile))
+      out.rows.push_back({"not done (HS0031)", gap.parameter, gap.instead, "", "", "", ""});
+  return out;
+}
+
 struct Choice {
   const char* option;
   const char* help;
   Listing (*list)(std::string_view);
 };
-constexpr std::array<Choice, 6> kChoices{{
+constexpr std::array<Choice, 7> kChoices{{
     {"--alarms", "alarms: number, English, Chinese", alarms_of},
     {"--parameters", "parameters: number, symbol, meaning, unit, default", parameters_of},
     {"--gcodes", "G codes with their group in every G-code system", gcodes_of},
     {"--mcodes", "M codes", mcodes_of},
     {"--signals", "PMC / PLC signals", signals_of},
     {"--variables", "macro variables", variables_of},
+    {"--acceleration", "acceleration modes: motion, parameter, curve, before or after interpolation, value",
+     acceleration_of},
 }};
 
 void print(const Listing& listing) {

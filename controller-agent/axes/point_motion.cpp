@@ -18,7 +18,20 @@ PointMotion::PointMotion(const Limits& limits, double period_s)
     periods_ = static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(kMostPeriods)));
     acceleration_ = std::min(acceleration_, limits.jerk * static_cast<double>(periods_) * period_s_ / 2);
   }
+  own_acceleration_ = acceleration_;
+  own_periods_ = periods_;
   set(0);
+}
+
+void PointMotion::shape(double acceleration, double bell_s) noexcept {
+  acceleration_ = acceleration > 0 ? std::min(acceleration, own_acceleration_) : own_acceleration_;
+  const auto bell = static_cast<std::size_t>(std::max(0.0, std::round(bell_s / period_s_)));
+  const std::size_t periods = std::clamp(bell, own_periods_, kMostPeriods);
+  if (periods == periods_) return;
+  periods_ = periods;
+  newest_ = 0;
+  window_.fill(leading_);
+  still_ = kMostPeriods;
 }
 
 void PointMotion::set(double position) noexcept {

@@ -25,6 +25,9 @@ class PointMotion {
   PointMotion() = default;
   PointMotion(const Limits& limits, double period_s);
 
+  /// At rest only: gentler than its limits from now on; 0, 0: its limits again.
+  /// @param bell_s in which the acceleration rises and falls, at least
+  void shape(double acceleration, double bell_s) noexcept;
   /// Stands here.
   void set(double position) noexcept;
   /// Where to, and how fast at most [mm/s]; both may be changed while it moves. Speed 0 brakes and holds.
@@ -46,7 +49,8 @@ class PointMotion {
   double reachable(double way) const noexcept;
 
   double acceleration_ = 0, most_speed_ = 0, period_s_ = 0.001;
-  std::size_t periods_ = 1;  // of the moving average
+  double own_acceleration_ = 0;
+  std::size_t periods_ = 1, own_periods_ = 1;  // of the moving average
   std::array<double, kMostPeriods> window_{};
   std::size_t newest_ = 0, still_ = kMostPeriods;
   double leading_ = 0, speed_ = 0;  // of the law; signed

@@ -355,6 +355,7 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
   };
   bool stuck = false;
   bool approach_held = false;  // a corner at the end of A → A': where the contour begins would be unknown
+  ex.modal_memory.hold(true);
   while (!reading.over() && !ex.finished && !stuck) {
     ex.out_used = false;
     stuck = ex.step() != Executor::Step::done;  // a signal cannot be waited for in the middle of a profile
@@ -371,6 +372,7 @@ bool read_profile(Executor& ex, const Rules& rules, BlockRange range, Profile& p
     }
   }
 
+  ex.modal_memory.hold(false);
   const bool corner_open = ex.pipeline.holds_corner();
   const bool line_open = ex.pipeline.line_is_open();
   ex.pipeline = std::move(pipeline);

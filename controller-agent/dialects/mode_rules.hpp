@@ -120,6 +120,10 @@ struct ModeRules {
   std::string_view auxiliary_address_parameter;  ///< its letter as ASCII code; otherwise B
   std::string_view auxiliary_decimal_parameter;  ///< bit: with decimal point and sign
   std::string_view auxiliary_inch_parameter;     ///< bit: ten times the factor under inch input
+  std::string_view auxiliary_unit_parameter;     ///< bit: as the argument of a call, its units without that function too
+  /// Both bits: P beside S names the spindle, by the number in the third; the fourth bit takes that away.
+  std::string_view several_spindles_parameter, spindle_by_p_parameter, spindle_p_parameter,
+      one_spindle_parameter;
 
   std::string_view mirror_setting_parameter;  ///< bit an axis: motions of programs go the other way
 

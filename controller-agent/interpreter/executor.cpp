@@ -255,7 +255,9 @@ void Executor::reset(const AxisVector& machine_position, std::uint32_t first_blo
   leave_program();
   queue.clear();
   queue_head = 0;
-  if (first_block_left != 0) modal_memory.back_to(*this, first_block_left);
+  // The block that ended in an alarm was not carried out (0i-D K.32.1).
+  const std::uint32_t back_to = first_block_left != 0 ? first_block_left : modal_memory.failed_block();
+  if (back_to != 0) modal_memory.back_to(*this, back_to);
   cancel_compensation();
   cycle.clear();
   interruption.enabled = false;
@@ -315,6 +317,7 @@ bool Executor::alarm_code(std::string_view number, std::uint32_t column, std::st
   raised.code = number;
   raised.detail = std::move(detail);
   finished = true;
+  modal_memory.alarm_raised();
   return false;
 }
 

@@ -305,6 +305,8 @@ struct Executor {
   bool take_feed();
   bool take_one_digit_feed(int digit);
   bool take_spindle();
+  bool spindle_by_p() const;  ///< P beside S names the spindle
+  bool spindle_fits(bool needs_p);
   bool take_tool();
   int offset_digits() const;          ///< of the T word
   std::int64_t offset_split() const;  ///< the offset number is the T word modulo this
@@ -313,6 +315,7 @@ struct Executor {
   std::uint8_t gear_of(double speed) const;
   bool digits_fit(const program::Word& word, std::string_view parameter, std::string detail);
   char second_auxiliary() const;
+  char auxiliary_address() const;  ///< its letter, whether or not the function is there; 0: an axis has it
   bool take_second_auxiliary(char letter);
 
   // ---- chamfers, corner rounds, angles (corner_words.cpp)

@@ -71,7 +71,9 @@ bool Executor::take_spindle() {
   const program::Word& word = block['S'];
   const double value = word.value();
   if (!digits_fit(word, dialect.modes.spindle_digits_parameter, "S")) return false;
-  if (action != nullptr && action->handler == handlers::set_coordinates) {  // G50 S, G92 S: the clamp
+  const bool is_clamp = action != nullptr && action->handler == handlers::set_coordinates;
+  if (!spindle_fits(!is_clamp)) return false;
+  if (is_clamp) {  // G50 S, G92 S
     clamp_rpm = value;
     spindle_changed = true;
     return true;

@@ -92,6 +92,7 @@ void Executor::leave_chain() {
 
 Executor::Step Executor::step() {
   Frame& frame = frames.back();
+  modal_memory.block_done();
   if (barrier) {
     barrier = false;
     if (!at_standstill && environment->takes_time()) return Step::standstill;

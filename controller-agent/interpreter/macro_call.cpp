@@ -376,8 +376,11 @@ bool Executor::take_calls(bool& taken) {
     if (letter == '\0' || !block.has(letter)) continue;
     const program::Word& word = block[letter];
     int decimals = argument_decimals(letter);
-    // The second auxiliary function's address in its own units (0i-D No.3450#0, L58763).
-    if (!pocket && letter == auxiliary_letter && data.bit(dialect.modes.auxiliary_decimal_parameter))
+    // The second auxiliary function's address in its own units (0i-D No.3450#0 and #7, L58763).
+    const bool has_its_unit =
+        letter == auxiliary_letter ||
+        (data.bit(dialect.modes.auxiliary_unit_parameter) && letter == auxiliary_address());
+    if (!pocket && has_its_unit && data.bit(dialect.modes.auxiliary_decimal_parameter))
       for (std::int64_t unit = linear_increment; unit < program::kNano; unit *= 10) ++decimals;
     const double value =
         word.point ? word.value()

@@ -35,6 +35,11 @@ struct KeptModes {
   int surface_axis = -1;
   int length_sign = 0;
   std::int64_t length_offset = 0, d_number = 0;
+  // what cycles keep beyond RESET
+  LastThread last_thread;
+  double runout_tenths = -1;
+  std::int32_t driven_m = 0;
+  std::unique_ptr<OwnModes> own;  ///< of the dialect's language
 };
 
 namespace {
@@ -48,6 +53,7 @@ bool may_change_modes(const Executor& ex) {
   const program::Block& b = ex.block;
   if (b.m_count != 0 || b.g_count > 1 || (b.words & ~kPassing) != 0) return true;
   if (b.g_count == 1 && b.g[0].tenths != ex.motion_code->tenths) return true;
+  if (ex.motion_code->cycle || (b.marked != 0 && ex.own != nullptr)) return true;
   return b.has('F') && ex.feed_value(b['F']) != ex.modal.feed;
 }
 
@@ -92,9 +98,13 @@ ModalMemory::~ModalMemory() = default;
 
 void ModalMemory::forget() {
   begin_ = count_ = 0;
+  open_ = failed_ = 0;
+  held_ = false;
 }
 
 void ModalMemory::before_block(const Executor& ex) {
+  if (held_) return;
+  open_ = ex.at.block + 1;
   if (may_change_modes(ex)) keep(ex);
 }
 
@@ -113,6 +123,12 @@ void ModalMemory::keep(const Executor& ex) {
   for (std::size_t i = 0; i < ex.axes.size(); ++i) now.axes[i] = ex.axes[i];
   copy_modes(ex, now);
   now.d_number = ex.pipeline.d_number;
+  now.last_thread = ex.cycle.last_thread;
+  now.runout_tenths = ex.cycle.runout_tenths;
+  now.driven_m = ex.cycle.driven_m;
+  if (ex.own == nullptr) return;
+  if (now.own == nullptr) now.own = ex.own->make_modes();
+  if (now.own != nullptr) ex.own->keep_modes(*now.own);
 }
 
 void ModalMemory::back_to(Executor& ex, std::uint32_t block) {
@@ -131,6 +147,10 @@ void ModalMemory::back_to(Executor& ex, std::uint32_t block) {
   copy_modes(then, ex);
   for (std::size_t i = 0; i < ex.axes.size() && i < then.axis_count; ++i) ex.axes[i] = then.axes[i];
   ex.pipeline.d_number = then.d_number;
+  ex.cycle.last_thread = then.last_thread;
+  ex.cycle.runout_tenths = then.runout_tenths;
+  ex.cycle.driven_m = then.driven_m;
+  if (then.own != nullptr) ex.own->restore_modes(*then.own);
   ex.update_zeros();
   forget();
 }

@@ -1,6 +1,7 @@
 // What RESET goes back to. The look-ahead reads blocks long before they are carried out; a RESET in the middle of a
 // program must not leave a G91, a G55 or a tool offset of a block that nobody has seen run (0i-D K.32.1: the modal
-// state is that of the last block carried out whole). One object a path, the interpreter's thread.
+// state is that of the last block carried out whole). The block that ended in an alarm was not carried out either.
+// One object a path, the interpreter's thread.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +23,19 @@ class ModalMemory {
   ModalMemory(const ModalMemory&) = delete;
   ModalMemory& operator=(const ModalMemory&) = delete;
 
+  /// The next block is read: the one before is done.
+  void block_done() {
+    if (!held_) open_ = 0;
+  }
   /// Before the block read last is carried out: keeps the state if the block may change more than positions.
   void before_block(const Executor& ex);
+  /// The program ends in an alarm here, or in one about a block before.
+  void alarm_raised() { failed_ = open_; }
+  void alarm_raised(std::uint32_t block) { failed_ = block; }
+  /// Blocks are read on for the sake of the one being carried out (a profile); their state is put back by who reads.
+  void hold(bool on) { held_ = on; }
+  /// The block whose alarm ended the program; 0: none, or it had not begun.
+  std::uint32_t failed_block() const { return failed_; }
   /// A program begins.
   void forget();
   /// The modes as they were before this block (SourcePosition::block); nothing when nothing has changed since.
@@ -33,6 +45,9 @@ class ModalMemory {
   void keep(const Executor& ex);
   std::vector<KeptModes> kept_;  // a ring: `begin_` is the oldest of `count_`
   std::size_t begin_ = 0, count_ = 0;
+  std::uint32_t open_ = 0;    // the block being carried out
+  std::uint32_t failed_ = 0;
+  bool held_ = false;
 };
 
 }  // namespace headstock::interp

@@ -43,7 +43,7 @@ bool NormalDirection::begin(Executor& ex) {
   if (on_ && axis != axis_) return wrong(AlarmReason::normal_direction, "5480");
   if (on_) return true;
   axis_ = axis;
-  on_ = true;
+  on_ = known_ = true;
   last_machine_ = ex.machine_now;
   last_work_ = ex.work_now;
   angle_deg_ = ex.machine_now[axis];
@@ -61,9 +61,10 @@ bool NormalDirection::end(Executor& ex) {
 
 void NormalDirection::stand(const Executor& ex) {
   waiting_ = false;
-  if (!on_) return;
+  if (!known_) return;
   const std::int16_t mode = ex.modal.g[group_of(ex)];
-  on_ = mode == kLeft || mode == kRight;
+  on_ = mode == kLeft || mode == kRight;  // RESET may have taken a G41.1 back, or a G40.1
+  if (!on_) return;
   last_machine_ = ex.machine_now;
   last_work_ = ex.work_now;
   angle_deg_ = ex.machine_now[axis_];

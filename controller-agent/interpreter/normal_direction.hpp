@@ -40,6 +40,7 @@ class NormalDirection {
   bool turn(const Executor& ex, Operation& move);
   void show(const Executor& ex, Motion& motion) const;
   bool on_ = false;       ///< G41.1 or G42.1 is in force
+  bool known_ = false;    ///< it has been: what follows is set
   bool waiting_ = false;  ///< `next_` is to go out
   Operation next_, alone_;
   std::size_t axis_ = 0;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string_view>
 
 namespace headstock::program {
@@ -15,6 +16,14 @@ namespace headstock::interp {
 struct Executor;
 struct Frame;
 struct Motion;
+
+/// What a program's blocks change in a language's own memory and RESET takes back with the modes.
+struct OwnModes {
+  OwnModes() = default;
+  virtual ~OwnModes() = default;
+  OwnModes(const OwnModes&) = default;
+  OwnModes& operator=(const OwnModes&) = default;
+};
 
 class OwnLanguage {
  public:
@@ -35,6 +44,10 @@ class OwnLanguage {
   virtual void start(Executor&) {}
   /// RESET; the program has been left.
   virtual void reset(Executor&) {}
+  /// Room for its modes, nullptr: it has none; then what they are now, and back to what they were (modal_memory.hpp).
+  virtual std::unique_ptr<OwnModes> make_modes() const { return nullptr; }
+  virtual void keep_modes(OwnModes&) const {}
+  virtual void restore_modes(const OwnModes&) {}
   /// Before a block of `frame` is read: block loops end here.
   virtual Taken before_block(Executor&, Frame&) { return Taken::plain; }
   /// `frame.line` and `frame.rest` are the text to read; both may be replaced by text that lives as long as

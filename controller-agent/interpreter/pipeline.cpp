@@ -117,6 +117,7 @@ void Pipeline::raise(Executor& ex, AlarmReason reason, const SourcePosition& at,
   alarm.detail = std::move(detail);
   send(ex, std::move(alarm));
   ex.finished = true;
+  ex.modal_memory.alarm_raised(at.block);
   stopped_ = true;
 }
 

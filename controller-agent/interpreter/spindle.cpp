@@ -46,11 +46,38 @@ bool Executor::digits_fit(const program::Word& word, std::string_view parameter,
 char Executor::second_auxiliary() const {
   const auto& rules = dialect.modes;
   if (rules.auxiliary_enable_parameter.empty() || !data.bit(rules.auxiliary_enable_parameter)) return 0;
+  return auxiliary_address();
+}
+
+char Executor::auxiliary_address() const {
+  const auto& rules = dialect.modes;
   const auto code_of = static_cast<int>(data.parameter(rules.auxiliary_address_parameter));
   const char letter = std::string_view("ABCUVW").find(static_cast<char>(code_of)) != std::string_view::npos
                           ? static_cast<char>(code_of)
                           : 'B';
   return (axis_letters & program::letter_bit(letter)) != 0 ? '\0' : letter;
+}
+
+bool Executor::spindle_by_p() const {
+  const auto& rules = dialect.modes;
+  return data.bit(rules.several_spindles_parameter) && data.bit(rules.spindle_by_p_parameter);
+}
+
+// S… P…: this machine has one spindle, so any other P means one that would stand still while this one turns (0i-D
+// No.3781, PS5305).
+bool Executor::spindle_fits(bool needs_p) {
+  if (!spindle_by_p()) return true;
+  const auto& rules = dialect.modes;
+  if (!block.has('P')) {
+    if (!needs_p || data.bit(rules.one_spindle_parameter)) return true;
+    return alarm(AlarmReason::spindle_number, block['S'].column, "P");
+  }
+  const std::int64_t p = whole('P', AlarmReason::spindle_number);
+  if (p < 0) return false;
+  if (p != 0 && static_cast<double>(p) == data.parameter(rules.spindle_p_parameter) &&
+      !data.bit(rules.one_spindle_parameter))
+    return true;
+  return alarm(AlarmReason::spindle_number, block['P'].column, "P" + std::to_string(p));
 }
 
 bool Executor::take_second_auxiliary(char letter) {
@@ -87,7 +114,7 @@ bool surface_speed_on(Executor& ex) {
   if (!rules.surface_axis_parameter.empty()) {
     std::int64_t p = 0;
     std::uint32_t column = ex.code_column;
-    if (ex.block.has('P') && ex.action == nullptr && ex.block.m_count == 0) {
+    if (ex.block.has('P') && ex.action == nullptr && ex.block.m_count == 0 && !ex.spindle_by_p()) {  // L8027
       column = ex.block['P'].column;
       p = ex.whole('P', AlarmReason::surface_axis);
       if (p < 0) return false;

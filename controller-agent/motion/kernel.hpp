@@ -109,7 +109,7 @@ class Kernel {
   /// Moves the queue takes before can_push() says no.
   static constexpr std::size_t kQueueMoves = 4096;
 
-  static constexpr std::size_t kShapes = 4;
+  static constexpr std::size_t kShapes = 5;
   using Shapes = std::array<AccelerationShape, kShapes>;
 
   explicit Kernel(const machine::Machine& machine);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <string_view>
 
 namespace headstock::operation {
@@ -11,94 +10,21 @@ namespace {
 constexpr double kMeanUnit = 1000.0 / 60;  // (m/min)/s in mm/s² (K2000TC L4866)
 constexpr double kNoShare = 1e-9;
 
-enum class Unit : std::uint8_t {
-  acceleration,     ///< mm/s² of an axis
-  time_to_rapid,    ///< ms from standing to the axis' rapid rate
-  time_to_feed,     ///< ms from standing to the feed of the move
-  time_to_highest,  ///< ms from standing to the axis' highest cutting feed
-  mean              ///< (m/min)/s along the path
-};
-enum class Way : std::uint8_t { both, up, down };
+using enum AccelerationUnit;
 
-/// A bit that has to stand so for a row to count; an empty one always counts.
-struct When {
-  std::string_view bit;
-  bool on = true;
-  bool unset = false;  ///< what it is when nobody has set it
-};
+std::string of_axis(std::string_view parameter, char name) {
+  std::string number(parameter);
+  if (parameter.ends_with('/')) number += name;
+  return number;
+}
 
-struct Row {
-  std::string_view profile;  // beginning of its name
-  MotionKind kind;
-  Way way;
-  std::string_view parameter;  // ends in '/': one for each axis
-  char axis;                   // otherwise the axis it is for; 0: all
-  Unit unit;
-  When first = {}, second = {};
-};
+bool stands(const ModeBit& bit, char axis, const interp::MachineData& data) {
+  if (bit.bit.empty()) return true;
+  return (data.parameter(of_axis(bit.bit, axis), bit.unset ? 1 : 0) != 0) == bit.on;
+}
 
-using enum MotionKind;
-using enum Unit;
-constexpr When kS{"S168.0", true, true}, kLinear{"S168.0", false, true}, kBefore{"S168.1", false},
-    kAfter{"S168.1", true};
-constexpr When kCutS{"S168.2", true, true}, kCutLinear{"S168.2", false, true},
-    kCutBefore{"S168.3", false, true}, kCutAfter{"S168.3", true, true};
-constexpr When kThreadS{"S168.4", true}, kThreadLinear{"S168.4", false};
-constexpr When k218S{"P009.4", true}, k218Linear{"P009.4", false};
-constexpr When kFrp{"19501#5", true}, kNotFrp{"19501#5", false}, kLrp{"1401#1", true},
-    kNotLrp{"P0004.1", false}, kK2Lrp{"P0004.1", true};
-
-constexpr Row kRows[] = {
-    // FANUC 0i-D L21277, L22088-L22162, L55676-L55887. Rapid before interpolation needs straight positioning.
-    {"fanuc-0i", rapid, Way::both, "1620/", 0, time_to_rapid, kNotFrp},
-    {"fanuc-0i", rapid, Way::both, "1671/", 0, acceleration, kFrp, kLrp},
-    {"fanuc-0i", cutting, Way::both, "1622/", 0, time_to_feed},
-    {"fanuc-0i", cutting_ahead, Way::both, "1660/", 0, acceleration},
-    {"fanuc-0i", thread, Way::both, "1626/", 0, time_to_feed},
-    // GSK 2000TC S168, P305-P326 (L12171-L12195, L13677-L13800)
-    {"gsk-2000tc", rapid, Way::both, "P305", 'X', time_to_rapid, kLinear, kBefore},
-    {"gsk-2000tc", rapid, Way::both, "P306", 'Z', time_to_rapid, kLinear, kBefore},
-    {"gsk-2000tc", rapid, Way::both, "P307", 'X', time_to_rapid, kS, kBefore},
-    {"gsk-2000tc", rapid, Way::both, "P308", 'Z', time_to_rapid, kS, kBefore},
-    {"gsk-2000tc", rapid, Way::both, "P309", 'X', time_to_rapid, kLinear, kAfter},
-    {"gsk-2000tc", rapid, Way::both, "P310", 'Z', time_to_rapid, kLinear, kAfter},
-    {"gsk-2000tc", rapid, Way::both, "P311", 'X', time_to_rapid, kS, kAfter},
-    {"gsk-2000tc", rapid, Way::both, "P312", 'Z', time_to_rapid, kS, kAfter},
-    {"gsk-2000tc", cutting, Way::both, "P313", 0, time_to_highest, kCutLinear, kCutBefore},
-    {"gsk-2000tc", cutting, Way::both, "P314", 0, time_to_highest, kCutS, kCutBefore},
-    {"gsk-2000tc", cutting, Way::both, "P315", 0, time_to_feed, kCutLinear, kCutAfter},
-    {"gsk-2000tc", cutting, Way::both, "P316", 0, time_to_feed, kCutS, kCutAfter},
-    {"gsk-2000tc", thread, Way::both, "P321", 0, time_to_highest, kThreadLinear},
-    {"gsk-2000tc", thread, Way::both, "P324", 0, time_to_highest, kThreadS},
-    // GSK 218T P009.4-.7, P023-P031, P069 (L4654-L4680, L5078-L5148)
-    {"gsk-218t", rapid, Way::both, "P023", 'X', time_to_rapid, k218Linear},
-    {"gsk-218t", rapid, Way::both, "P024", 'Z', time_to_rapid, k218Linear},
-    {"gsk-218t", rapid, Way::both, "P025", 'X', time_to_rapid, k218S},
-    {"gsk-218t", rapid, Way::both, "P026", 'Z', time_to_rapid, k218S},
-    {"gsk-218t", cutting, Way::both, "P031", 0, time_to_highest, k218Linear},
-    {"gsk-218t", cutting, Way::up, "P029", 0, time_to_highest, k218S},
-    {"gsk-218t", cutting, Way::down, "P030", 0, time_to_highest, k218S},
-    {"gsk-218t", thread, Way::both, "P069", 0, time_to_highest},
-    // K2000TC: before interpolation, over blocks (L4826-L4889, table L4905)
-    {"k2000tc", rapid, Way::up, "P6432", 0, mean, kK2Lrp},
-    {"k2000tc", rapid, Way::down, "P6433", 0, mean, kK2Lrp},
-    {"k2000tc", rapid, Way::both, "P6440", 0, mean, kNotLrp},
-    {"k2000tc", cutting, Way::up, "P6430", 0, mean},
-    {"k2000tc", cutting, Way::down, "P6431", 0, mean},
-    {"k2000tc", thread, Way::up, "P6480", 0, mean},
-    {"k2000tc", thread, Way::down, "P6481", 0, mean},
-    {"k2000tc", retreat, Way::both, "P6483", 0, mean},  // L3961, L12834
-    // 200T/300T: time from standing to the highest cutting feed, for every motion (L8016-L8055)
-    {"lathe-200t", rapid, Way::both, "AX2.1", 'X', time_to_highest},
-    {"lathe-200t", rapid, Way::both, "AX2.2", 'Z', time_to_highest},
-    {"lathe-200t", cutting, Way::both, "AX2.1", 'X', time_to_highest},
-    {"lathe-200t", cutting, Way::both, "AX2.2", 'Z', time_to_highest},
-    {"lathe-200t", thread, Way::both, "AX2.1", 'X', time_to_highest},
-    {"lathe-200t", thread, Way::both, "AX2.2", 'Z', time_to_highest},
-};
-
-bool stands(const When& when, const interp::MachineData& data) {
-  return when.bit.empty() || (data.parameter(when.bit, when.unset ? 1 : 0) != 0) == when.on;
+bool is_s(AccelerationUnit unit) {
+  return unit == s_to_rapid || unit == s_to_highest;
 }
 
 /// The smaller of two limits, where 0 means none.
@@ -111,56 +37,127 @@ void lower(double& limit, double by) {
 /// Fills the rules from the rows of one controller.
 struct AccelerationReader {
   const machine::Machine& machine;
+  const interp::MachineData& data;
   AccelerationRules& rules;
 
-  void take(const Row& row, std::size_t axis, double value) const {
-    if (!(value > 0)) return;
-    AccelerationRules::Kind& kind = rules.kinds_[static_cast<std::size_t>(row.kind)];
-    if (row.way != Way::down) set(kind.up, row.unit, axis, value);
-    if (row.way != Way::up) set(kind.down, row.unit, axis, value);
+  /// Calls `take` for every row and axis that counts.
+  template <typename Take>
+  void each(Take take) const {
+    for (const AccelerationRow& row : acceleration_rows()) {
+      if (!machine.profile.starts_with(row.profile)) continue;
+      AccelerationRules::Kind& kind = rules.kinds_[static_cast<std::size_t>(row.kind)];
+      for (std::size_t i = 0; i < machine.axes.size(); ++i) {
+        const char name = machine.axes[i].name;
+        if (row.axis != 0 && row.axis != name) continue;
+        if (!stands(row.first, name, data) || !stands(row.second, name, data)) continue;
+        const double value = data.parameter(of_axis(row.parameter, name));
+        if (value > 0) take(row, kind, i, value);
+      }
+    }
   }
 
-  void set(AccelerationRules::Limit& limit, Unit unit, std::size_t axis, double value) const {
+  /// How long the acceleration rises and falls: half of an S, the shorter one where ramps or axes differ, so
+  /// that none of them takes longer than it should.
+  void take_bell(const AccelerationRow& row, AccelerationRules::Kind& kind, double value) const {
+    const double seconds = value / 1000;
+    if (row.unit == bell) kind.shape.bell_s = std::max(kind.shape.bell_s, seconds);
+    if (is_s(row.unit)) lower(kind.shape.bell_s, seconds / 2);
+    kind.shape.bell_s = std::min(kind.shape.bell_s, motion::kLongestBell_s);
+  }
+
+  void take(const AccelerationRow& row, AccelerationRules::Kind& kind, std::size_t axis, double value) const {
+    if (row.ramp != Ramp::down) set(kind.up, kind, row.unit, axis, value);
+    if (row.ramp != Ramp::up) set(kind.down, kind, row.unit, axis, value);
+  }
+
+  void set(AccelerationRules::Limit& limit, AccelerationRules::Kind& kind, AccelerationUnit unit,
+           std::size_t axis, double value) const {
     const machine::Axis& of = machine.axes[axis];
+    const double seconds = value / 1000, rapid = of.rapid_mm_min / 60, highest = of.max_feed_mm_min / 60;
     switch (unit) {
       case acceleration:
         return lower(limit.axis[axis], value);
       case time_to_rapid:
-        return lower(limit.axis[axis], of.rapid_mm_min / 60 / (value / 1000));
+        return lower(limit.axis[axis], rapid / seconds);
       case time_to_highest:
-        return lower(limit.axis[axis], of.max_feed_mm_min / 60 / (value / 1000));
+        return lower(limit.axis[axis], highest / seconds);
+      case s_to_rapid:
+        return lower(limit.axis[axis], rapid / (seconds - kind.shape.bell_s));
+      case s_to_highest:
+        return lower(limit.axis[axis], highest / (seconds - kind.shape.bell_s));
       case time_to_feed:
-        limit.time_s[axis] = value / 1000;
+        limit.time_s[axis] = seconds;
         return;
       case mean:
         return lower(limit.along, value * kMeanUnit);
+      case bell:
+        return;
+      case after_linear:
+        return after(kind.shape, motion::FilterShape::linear, axis, seconds, 0);
+      case after_bell:
+        return after(kind.shape, motion::FilterShape::linear, axis, seconds / 2, seconds / 2);
+      case after_exponential:
+        return after(kind.shape, motion::FilterShape::exponential, axis, seconds, 0);
+    }
+  }
+
+  /// Axes of one motion have one shape (0i-D L55684: the same for all axes, or lines and arcs are distorted);
+  /// where parameters say otherwise all are linear.
+  void after(motion::AccelerationShape& shape, motion::FilterShape wanted, std::size_t axis, double seconds,
+             double bell_seconds) const {
+    const bool mixed = shape.after != motion::FilterShape::none && shape.after != wanted;
+    shape.after = mixed ? motion::FilterShape::linear : wanted;
+    shape.after_s[axis] = std::min(seconds, motion::kLongestFilter_s);
+    shape.after_bell_s[axis] = std::min(bell_seconds, motion::kLongestFilter_s);
+    if (mixed) note("1610#0", "linear for all axes: their curves differ");
+  }
+
+  void note(std::string_view parameter, std::string_view instead) const {
+    std::string& all = rules.not_done_;
+    if (all.find(parameter) != std::string::npos) return;
+    if (!all.empty()) all += "; ";
+    all += parameter;
+    all += ": ";
+    all += instead;
+  }
+
+  /// Numbers the shapes of a program's motions: equal ones share one, so that the axes need not stop between
+  /// them.
+  void number_shapes() const {
+    std::uint8_t used = 1;
+    for (std::size_t k = 0; k < kProgramKinds; ++k) {
+      AccelerationRules::Kind& kind = rules.kinds_[k];
+      const auto end = rules.shapes_.begin() + used;
+      const auto found = std::find(rules.shapes_.begin(), end, kind.shape);
+      kind.number = static_cast<std::uint8_t>(found - rules.shapes_.begin());
+      if (found == end) rules.shapes_[used++] = kind.shape;
     }
   }
 };
 
 AccelerationRules AccelerationRules::read(const machine::Machine& machine, const interp::MachineData& data) {
   AccelerationRules rules;
-  const AccelerationReader reader{machine, rules};
-  for (const Row& row : kRows) {
-    if (!machine.profile.starts_with(row.profile) || !stands(row.first, data) || !stands(row.second, data))
-      continue;
-    const bool per_axis = row.parameter.ends_with('/');
-    for (std::size_t i = 0; i < machine.axes.size(); ++i) {
-      const char name = machine.axes[i].name;
-      if (row.axis != 0 && row.axis != name) continue;
-      const std::string number = per_axis ? std::string(row.parameter) + name : std::string(row.parameter);
-      reader.take(row, i, data.parameter(number));
-    }
-  }
+  const AccelerationReader reader{machine, data, rules};
+  reader.each([&](const AccelerationRow& row, Kind& kind, std::size_t, double value) {
+    reader.take_bell(row, kind, value);
+  });
+  reader.each([&](const AccelerationRow& row, Kind& kind, std::size_t axis, double value) {
+    reader.take(row, kind, axis, value);
+  });
   // Without an acceleration of its own a retreat is a positioning; a ratio then counts from the machine's.
-  Kind& back = rules.kinds_[static_cast<std::size_t>(retreat)];
+  const Kind& positioning = rules.kinds_[static_cast<std::size_t>(MotionKind::rapid)];
+  Kind& back = rules.kinds_[static_cast<std::size_t>(MotionKind::retreat)];
   if (!(back.up.along > 0)) {
-    back = rules.kinds_[static_cast<std::size_t>(rapid)];
+    back = positioning;
     for (std::size_t i = 0; i < machine.axes.size(); ++i) {
-      for (Limit* limit : {&back.up, &back.down})
-        lower(limit->axis[i], machine.axes[i].max_acceleration_mm_s2);
+      for (Limit* limit : {&back.up, &back.down}) lower(limit->axis[i], machine.axes[i].max_acceleration_mm_s2);
     }
   }
+  back.shape = positioning.shape;
+  reader.number_shapes();
+  for (const AccelerationGap& gap : acceleration_gaps())
+    if (machine.profile.starts_with(gap.profile) && data.bit(gap.parameter))
+      reader.note(gap.parameter, gap.instead);
   return rules;
 }
 
@@ -186,6 +183,19 @@ void AccelerationRules::apply(const motion::Curve& curve, motion::Move& move, Mo
   const Kind& limits = kinds_[static_cast<std::size_t>(kind)];
   move.speed_up_mm_s2 = allowed(limits.up, curve, feed_mm_s) * ratio;
   move.slow_down_mm_s2 = allowed(limits.down, curve, feed_mm_s) * ratio;
+  move.shape = limits.number;
+}
+
+AccelerationRules::OfHand AccelerationRules::of_hand(std::size_t axis, MotionKind kind,
+                                                     double speed_mm_s) const {
+  const Kind& limits = kinds_[static_cast<std::size_t>(kind)];
+  OfHand hand;
+  for (const Limit* limit : {&limits.up, &limits.down}) {
+    lower(hand.acceleration_mm_s2, limit->axis[axis]);
+    if (limit->time_s[axis] > 0) lower(hand.acceleration_mm_s2, speed_mm_s / limit->time_s[axis]);
+  }
+  hand.bell_s = limits.shape.bell_s;
+  return hand;
 }
 
 }  // namespace headstock::operation

@@ -1,28 +1,25 @@
-// How quickly moves speed up and slow down by the parameters of the controllers: time constants and
-// accelerations of rapid, cutting (also under look-ahead control) and threads. They only ever make a move
-// gentler: the limits of the machine file hold whatever these say, and so does its jerk.
+// How quickly moves speed up and slow down by the parameters of the controllers, and in which shape: linear,
+// S or bell, exponential, before or after interpolation, for rapid, cutting (also under look-ahead control),
+// threads and hands (acceleration_modes.hpp is the table). They only ever make a move gentler: the limits of
+// the machine file hold whatever these say.
 //
-// What is taken is the acceleration, not the shape. The controllers' linear, S and bell curves become the
-// kernel's own jerk-limited one; an exponential one becomes that of the same time constant (its beginning,
-// without the long tail). "After interpolation" lets a real control cut corners by its lag; here the path
-// stays inside the tolerance of the machine file in every mode. README.md of operation/ says what that means
-// for the time.
+// Before interpolation the path is the programmed one inside the tolerance of the machine file. After it the
+// axes lag and cut corners as on the real control; README.md of operation/ says what that means.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <string>
 
 #include "interpreter/machine_data.hpp"
 #include "machine/machine.hpp"
 #include "motion/geometry.hpp"
+#include "motion/kernel.hpp"
+#include "operation/acceleration_modes.hpp"
 
 namespace headstock::operation {
 
 using machine::AxisVector;
-
-/// What a move's acceleration is chosen by.
-enum class MotionKind : std::uint8_t { rapid, cutting, cutting_ahead, thread, retreat };
-inline constexpr std::size_t kMotionKinds = 5;
 
 /// Look-ahead thread. 0 everywhere: only what the machine file says.
 class AccelerationRules {
@@ -30,12 +27,22 @@ class AccelerationRules {
   /// What the parameters of this controller say; one that is not set limits nothing.
   static AccelerationRules read(const machine::Machine& machine, const interp::MachineData& data);
 
-  /// Sets Move::speed_up_mm_s2 and slow_down_mm_s2. `retreat` is a positioning away from a thread; a control
-  /// that has nothing of its own for it goes as in any positioning.
+  /// Sets Move::speed_up_mm_s2, slow_down_mm_s2 and shape.
   /// @param rpm that a feed per revolution and a thread are taken at
   /// @param ratio of the acceleration of a retreat (K2000TC J/K)
-  void apply(const motion::Curve& curve, motion::Move& move, MotionKind kind, double rpm,
-             double ratio = 1) const;
+  void apply(const motion::Curve& curve, motion::Move& move, MotionKind kind, double rpm, double ratio = 1) const;
+  /// What Move::shape is about: for the kernel, before its next start.
+  const motion::Kernel::Shapes& shapes() const { return shapes_; }
+
+  struct OfHand {
+    double acceleration_mm_s2 = 0;  ///< 0: the axis' own
+    double bell_s = 0;              ///< in which the acceleration rises and falls
+  };
+  /// One axis moved by hand at this speed; the gentler one of speeding up and slowing down.
+  OfHand of_hand(std::size_t axis, MotionKind kind, double speed_mm_s) const;
+
+  /// Parameters that ask for what is not done, with what is done instead; empty: none.
+  const std::string& not_done() const { return not_done_; }
 
  private:
   struct Limit {
@@ -45,11 +52,15 @@ class AccelerationRules {
   };
   struct Kind {
     Limit up, down;
+    motion::AccelerationShape shape;
+    std::uint8_t number = 0;  ///< of `shape` in shapes_
   };
   friend struct AccelerationReader;
   static double allowed(const Limit& limit, const motion::Curve& curve, double feed_mm_s);
 
   std::array<Kind, kMotionKinds> kinds_{};
+  motion::Kernel::Shapes shapes_{};
+  std::string not_done_;
 };
 
 }  // namespace headstock::operation

@@ -67,7 +67,7 @@ std::optional<MachineAlarm> Controller::Impl::before_motion(const interp::Operat
   feed.limit_acceleration(move, thread->modal);
   const auto& cut = std::get<motion::ThreadFeed>(move.feed);
   return thread_alarm(machine, from, move, cut, std::abs(realtime.state().spindle_commanded_rpm),
-                      thread->run_up_mm);
+                      thread->run_up_mm, feed.bell_s(move));
 }
 
 bool Controller::Impl::has_third_zone() const {

@@ -11,6 +11,7 @@
 
 #include "dialects/dialect.hpp"
 #include "operation/controller_impl.hpp"
+#include "operation/motion_alarm.hpp"
 #include "plc/built_in.hpp"
 
 namespace headstock::operation {
@@ -336,6 +337,8 @@ CommandResult Controller::Impl::start_run(Selection& chosen, const interp::Resta
   interpreter.set_switches(switches);
   // The same bits in every run: lengths along the path are counted from its start.
   const AxisVector standing = feed.position();
+  const AccelerationRules accelerations = AccelerationRules::read(machine, data);
+  kernel.set_shapes(accelerations.shapes());
   kernel.set_position(standing);
   feed.set_position(standing);
   retrace.forget();
@@ -347,8 +350,11 @@ CommandResult Controller::Impl::start_run(Selection& chosen, const interp::Resta
     restarting.source = std::move(text);
   realtime.rapid_f0 = rapid_f0();
   feed.set_rules({dry_run, data.parameter("1410", FeedRules{}.dry_run_mm_min), SpeedLimits::read(machine, data),
-                  CornerOverrideRules::read(data), AccelerationRules::read(machine, data)});
+                  CornerOverrideRules::read(data), accelerations});
   clear_alarms(true);
+  if (accelerations.not_done() != shapes_said && !accelerations.not_done().empty())
+    raise(std::string(acceleration_message().code), accelerations.not_done(), {}, acceleration_message(), true);
+  shapes_said = accelerations.not_done();
   message.clear();
   await = Await::nothing;
   has_operation = anything_moved = false;

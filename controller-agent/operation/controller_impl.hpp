@@ -113,6 +113,7 @@ struct Controller::Impl {
   bool work_retrace();
   void end_retrace();
   void move_by_hand(std::size_t axis, const HandOrder& order);
+  void shape_by_hand(std::size_t axis, MotionKind kind, HandOrder& order) const;
   void stop_hands();
   void go_back();
   bool work_manual();
@@ -245,6 +246,7 @@ struct Controller::Impl {
   bool run_open = false;
   RunRecord run_record;
   std::string run_by;  // of the next or the present run
+  std::string shapes_said;  // what of the acceleration modes is not done, when it was last said
   Await await = Await::nothing;
   interp::Operation operation;  // pulled, not yet taken up
   bool has_operation = false;

@@ -25,6 +25,8 @@ void Hand::order(std::size_t axis, const HandOrder& order) noexcept {
   slot.sequence.fetch_add(1, std::memory_order_acq_rel);  // odd: being written
   slot.target.store(order.target, std::memory_order_release);
   slot.speed.store(order.speed_mm_s, std::memory_order_release);
+  slot.acceleration.store(order.acceleration_mm_s2, std::memory_order_release);
+  slot.bell.store(order.bell_s, std::memory_order_release);
   slot.kind.store(order.kind, std::memory_order_release);
   slot.rapid.store(order.rapid, std::memory_order_release);
   slot.sequence.fetch_add(1, std::memory_order_release);
@@ -42,6 +44,8 @@ void Hand::take_orders(const AxisVector& base) noexcept {
     HandOrder order;
     order.target = slot.target.load(std::memory_order_acquire);
     order.speed_mm_s = slot.speed.load(std::memory_order_acquire);
+    order.acceleration_mm_s2 = slot.acceleration.load(std::memory_order_acquire);
+    order.bell_s = slot.bell.load(std::memory_order_acquire);
     order.kind = slot.kind.load(std::memory_order_acquire);
     order.rapid = slot.rapid.load(std::memory_order_acquire);
     if (before % 2 != 0 || slot.sequence.load(std::memory_order_acquire) != before) {
@@ -50,6 +54,7 @@ void Hand::take_orders(const AxisVector& base) noexcept {
     }
     seen_[i] = before;
     orders_[i] = order;
+    if (motion_[i].at_rest()) motion_[i].shape(order.acceleration_mm_s2, order.bell_s);
     homing_[i] = order.kind == HandOrder::Kind::home ? Homing::search : Homing::off;
     switch (order.kind) {
       case HandOrder::Kind::stop:

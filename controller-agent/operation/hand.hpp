@@ -29,6 +29,8 @@ struct HandOrder {
   double target = 0;      ///< machine coordinates [mm, degrees]
   double speed_mm_s = 0;  ///< > 0
   bool rapid = false;     ///< the rapid override acts, otherwise the feed override
+  double acceleration_mm_s2 = 0;  ///< at most; 0: the axis' own. Counts when the axis stands
+  double bell_s = 0;              ///< in which the acceleration rises and falls
 };
 
 class Hand {
@@ -66,7 +68,7 @@ class Hand {
   enum class Homing : std::uint8_t { off, search, slow_down, creep, mark };
   struct Slot {
     std::atomic<std::uint32_t> sequence{0};
-    std::atomic<double> target{0}, speed{0};
+    std::atomic<double> target{0}, speed{0}, acceleration{0}, bell{0};
     std::atomic<HandOrder::Kind> kind{HandOrder::Kind::stop};
     std::atomic<bool> rapid{false};
   };

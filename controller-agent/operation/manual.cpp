@@ -116,6 +116,14 @@ double Controller::Impl::reach(std::size_t axis, int direction) {
   return limit;
 }
 
+/// Acceleration by the controller's parameters; a rapid jog is accelerated like positioning.
+void Controller::Impl::shape_by_hand(std::size_t axis, MotionKind kind, HandOrder& order) const {
+  const auto hand = AccelerationRules::read(machine, data)
+                        .of_hand(axis, order.rapid ? MotionKind::rapid : kind, order.speed_mm_s);
+  order.acceleration_mm_s2 = hand.acceleration_mm_s2;
+  order.bell_s = hand.bell_s;
+}
+
 void Controller::Impl::move_by_hand(std::size_t axis, const HandOrder& order) {
   realtime.hand().order(axis, order);
   hand_goal[axis] = order.target;
@@ -145,6 +153,7 @@ CommandResult Controller::Impl::jog(std::size_t axis, int direction, JogSpeed sp
   order.rapid = speed == JogSpeed::rapid && (known || data.bit("1401#0"));
   const double rapid = data.parameter(of_axis("1424", limits.name), limits.rapid_mm_min);
   order.speed_mm_s = (order.rapid ? std::min(rapid, limits.rapid_mm_min) : manual_feed(axis)) / 60;
+  shape_by_hand(axis, MotionKind::jog, order);
   move_by_hand(axis, order);
   return {true, {}};
 }
@@ -162,6 +171,7 @@ CommandResult Controller::Impl::step(std::size_t axis, double distance_mm) {
   order.kind = HandOrder::Kind::go;
   order.target = target;
   order.speed_mm_s = manual_feed(axis) / 60;
+  shape_by_hand(axis, mode == Mode::handle ? MotionKind::handle : MotionKind::jog, order);
   move_by_hand(axis, order);
   return {true, {}};
 }

@@ -17,7 +17,7 @@ constexpr MachineAlarm kTooShort{"HS0004", "Thread: too short to reach its lead 
 
 std::optional<MachineAlarm> thread_alarm(const machine::Machine& machine, const machine::AxisVector& start,
                                          const motion::Move& move, const motion::ThreadFeed& thread,
-                                         double rpm, double run_up_mm) {
+                                         double rpm, double run_up_mm, double bell_s) {
   const machine::AxisVector& end = end_of(move);
   double longest = 0;
   for (std::size_t i = 0; i < machine.axes.size(); ++i)
@@ -33,11 +33,12 @@ std::optional<MachineAlarm> thread_alarm(const machine::Machine& machine, const 
     const double share = std::abs(end[i] - start[i]) / longest;
     if (share * lead * turns_s * 60 > axis.max_feed_mm_min * (1 + 1e-9)) return kTooFast;
     const double speed = share * thread.lead_mm * turns_s;
-    if (share > 0) run_up = std::max(run_up, speed * speed / (2 * axis.max_acceleration_mm_s2) / share);
+    if (share > 0)
+      run_up = std::max(run_up, (speed * speed / (2 * axis.max_acceleration_mm_s2) + speed * bell_s / 2) / share);
   }
   if (move.speed_up_mm_s2 > 0) {
     const double speed = thread.lead_mm * turns_s, along = path_length(start, move) / longest;
-    run_up = std::max(run_up, speed * speed * along / (2 * move.speed_up_mm_s2));
+    run_up = std::max(run_up, speed * speed * along / (2 * move.speed_up_mm_s2) + speed * bell_s / 2);
   }
   return run_up > std::max(longest, run_up_mm) ? std::optional(kTooShort) : std::nullopt;
 }
@@ -132,6 +133,11 @@ MachineAlarm homing_alarm() {
 
 MachineAlarm polygon_alarm() {
   return {"PS5018", "Polygon spindle speed error", "多边形主轴速度错误"};
+}
+
+MachineAlarm acceleration_message() {
+  return {"HS0031", "Acceleration by these parameters is not done as they say; instead",
+          "下列参数要求的加减速方式未实现，改为"};
 }
 
 MachineAlarm tap_across_alarm() {

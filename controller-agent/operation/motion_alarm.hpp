@@ -14,9 +14,10 @@ namespace headstock::operation {
 /// manuals leave both to the programmer; what comes out is a wrong lead or a broken tap.
 /// @param rpm commanded spindle speed, ≥ 0; at 0 the thread waits for the spindle and nothing is said
 /// @param run_up_mm what the move is a chord of, see interp::Thread
+/// @param bell_s in which the acceleration rises and falls
 std::optional<MachineAlarm> thread_alarm(const machine::Machine& machine, const machine::AxisVector& start,
                                          const motion::Move& move, const motion::ThreadFeed& thread,
-                                         double rpm, double run_up_mm = 0);
+                                         double rpm, double run_up_mm = 0, double bell_s = 0);
 
 /// Stored stroke checks 2 and 3: OT0502…OT0505 (0i-D L73422, L73432). @param check 2 or 3
 MachineAlarm zone_alarm(std::size_t check, bool positive);
@@ -38,6 +39,8 @@ MachineAlarm homing_alarm();
 MachineAlarm dry_run_alarm();
 /// Polygon turning faster than the tool axis turns (0i-D PS5018).
 MachineAlarm polygon_alarm();
+/// HS0031: parameters that ask for an acceleration that is not done; their names follow. A message, not an alarm.
+MachineAlarm acceleration_message();
 /// A tap along more than one axis.
 MachineAlarm tap_across_alarm();
 

@@ -90,6 +90,7 @@ void MotionFeed::set_position(const AxisVector& position) {
   after_thread_ = false;
   if (history_ != nullptr && position != position_before) history_->forget();
   last_tag_ = 0;
+  tag_when_set_ = tags_.newest();
 }
 
 motion::Move MotionFeed::make(const interp::Operation& operation) const {

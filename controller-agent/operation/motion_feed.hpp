@@ -2,6 +2,7 @@
 // before a move is handed over. Look-ahead thread only.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -61,7 +62,9 @@ class MotionFeed {
 
   /// Room for one more move? `traced`: tag being traced.
   bool has_room(std::uint64_t traced) const {
-    return kernel_.room() >= machine::kMaxAxes + 2 * inner_corners_.kept() && tags_.has_room(traced);
+    // Before the first move since the position was set nothing is traced, and nothing older is needed.
+    return kernel_.room() >= machine::kMaxAxes + 2 * inner_corners_.kept() &&
+           tags_.has_room(std::max(traced, tag_when_set_));
   }
 
   /// PS0148: G62 needs its parameters (No. 1711, 1712).
@@ -69,6 +72,8 @@ class MotionFeed {
 
   /// The kernel's move for an operation; nothing is handed over. Precondition: is_motion().
   motion::Move make(const interp::Operation& operation) const;
+  /// In which time the acceleration of a move rises and falls, by the parameters of the controller [s].
+  double bell_s(const motion::Move& move) const { return rules_.accelerations.shapes()[move.shape].bell_s; }
   /// Its acceleration by the parameters of the controller.
   /// @param away a positioning: from a thread, with this share of the acceleration; 0: not from a thread
   void limit_acceleration(motion::Move& move, const interp::ModalSnapshot& modal, double away = 0) const;
@@ -110,7 +115,7 @@ class MotionFeed {
   TagRing& tags_;
   FeedRules rules_;
   AxisVector position_{};
-  std::uint64_t last_tag_ = 0;
+  std::uint64_t last_tag_ = 0, tag_when_set_ = 0;
   // A positioning does not begin before the cut has stopped (0i-D: deceleration at the end of the block
   // before G00), so the end of a move is known only when the next one is.
   std::optional<motion::Move> held_back_;

@@ -338,6 +338,7 @@ motion::Overrides Realtime::overrides() const noexcept {
   now.hold =
       (hold.load(std::memory_order_relaxed) || brake.load(std::memory_order_relaxed)) && !segment.not_held;
   now.single_block = single_block.load(std::memory_order_relaxed) && !segment.no_single_block;
+  now.in_position = state_.in_position;
   now.go = go.load(std::memory_order_relaxed);
   const unsigned inputs = skip_signals.load(std::memory_order_relaxed);
   now.skip_signal = (segment.skip_signals & (segment.skip_low ? ~inputs : inputs)) != 0;

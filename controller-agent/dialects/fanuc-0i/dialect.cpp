@@ -75,6 +75,11 @@ void set_common_modes(ModeRules& modes) {
   modes.auxiliary_address_parameter = "3460";
   modes.auxiliary_decimal_parameter = "3450#0";
   modes.auxiliary_inch_parameter = "3405#0";
+  modes.auxiliary_unit_parameter = "3450#7";    // BDX
+  modes.several_spindles_parameter = "8133#3";  // MSP
+  modes.spindle_by_p_parameter = "3703#3";      // MPP
+  modes.spindle_p_parameter = "3781";
+  modes.one_spindle_parameter = "3702#1";  // EMS
   modes.parameter_input = true;
   modes.largest_offset = 9'999.9999;
   modes.surface_speed_zero_refused = true;

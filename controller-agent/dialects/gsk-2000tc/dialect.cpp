@@ -21,7 +21,9 @@ Dialect make_gsk_2000tc() {
   for (const std::int32_t after : {11, 13, 33}) d.m_rules.push_back({after, MAction::machine_after});  // L940
   d.m_rules.push_back({29, MAction::rigid_tapping});
   d.m_rules.push_back({9'000, MAction::own, 9'999});
-  d.make_own = [](interp::Executor&) { return gsk::make_language({"S001.4", {}, {}}); };
+  d.make_own = [](interp::Executor&) {
+    return gsk::make_language({"S001.4", {}, {}, {}, "S187.1", "S188.0", "S188.1"});
+  };
   d.threads.runout = true;  // L4150
   d.threads.change_word = 'R';
   d.threads.first_lead_changed = true;  // E28: F3.8 R0.2 begins with 4.0

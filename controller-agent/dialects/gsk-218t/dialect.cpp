@@ -17,16 +17,19 @@ Dialect make_gsk_218t() {
                                      {AlarmReason::too_many_m, "129"},
                                      {AlarmReason::dwell_words, "168"}})
     d.set_alarm_code(reason, code);
-  static constexpr OwnHandler kOwn[] = {{"h_code", Phase::action, gsk::run_h_code_218t}};
+  static constexpr OwnHandler kOwn[] = {{"h_code", Phase::action, gsk::run_h_code_218t},
+                                        {"reference_return_218t", Phase::action, gsk::reference_return_218t}};
   add_g_codes(d, tables::gcodes_gsk_218t, kOwn);
   // All other codes, M01 and M02 too (L805), are an alarm or call a sub-program.
   std::erase_if(d.m_rules, [](const MRule& rule) { return rule.code == 1 || rule.code == 2; });
   for (const MRule rule : {MRule{8, MAction::machine, 13},
                            {32, MAction::machine, 33},
                            {51, MAction::machine, 70},
-                           {0, MAction::own, 999}})
+                           {0, MAction::own, 99'999'999}})
     d.m_rules.push_back(rule);
-  d.make_own = [](interp::Executor&) { return gsk::make_language({"P001.4", "P010.7", "P004.2"}); };
+  d.make_own = [](interp::Executor&) {
+    return gsk::make_language({"P001.4", "P010.7", "P004.2", "P081", {}, {}, {}});
+  };
   d.numbers.standard_when_clear_parameter = "P011.0";  // POD
   d.numbers.most_increments = 9'999'999;               // ±9999.999 (L322)
   d.numbers.addresses = letters("FHIJKLPQRSTUWXZ");

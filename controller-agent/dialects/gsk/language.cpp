@@ -4,6 +4,10 @@
 
 #include "interpreter/executor.hpp"
 
+namespace headstock::interp::handlers {
+bool reference_return(Executor& ex);
+}
+
 namespace headstock::dialects::gsk {
 namespace {
 
@@ -11,10 +15,26 @@ using interp::Executor;
 using R = AlarmReason;
 
 constexpr std::int64_t kMostGear = 4;
+constexpr std::int64_t kMostUserCode = 99;  // M, S and T of two digits may be sub-programs (218T L846)
+constexpr std::uint32_t kProgramsOfM = 9'000, kProgramsOfS = 9'100, kProgramsOfT = 9'200;
 
 class Language final : public interp::OwnLanguage {
  public:
   explicit Language(const SpindleRules& rules) : rules_(rules) {}
+
+  // Rotary axes of type A (2000TC L12400-L12420): absolute positions count within a turn.
+  void start(Executor& ex) override {
+    if (rules_.type_b.empty()) return;
+    const bool rolls =
+        ex.data.parameter(rules_.type_b, 1) == 0 && ex.data.parameter(rules_.rolls_over, 1) != 0;
+    ex.any_rolls_over = false;
+    for (auto& axis : ex.axes) {
+      axis.rolls_over = axis.rotary && rolls;
+      axis.by_sign = ex.data.bit(rules_.by_sign);
+      axis.turn = 360 * program::kNano;
+      ex.any_rolls_over = ex.any_rolls_over || axis.rolls_over;
+    }
+  }
 
   // S on a spindle with gears: S1…S4 is the output of that gear, S0 none (218T L461, 2000TC L1335).
   Taken take_spindle(Executor& ex) override {
@@ -26,6 +46,10 @@ class Language final : public interp::OwnLanguage {
     }
     const std::int64_t gear = ex.whole('S', R::spindle_gear);
     if (gear < 0) return Taken::done;
+    if (gear > 9 && gear <= kMostUserCode && ex.data.bit(rules_.subprograms)) {
+      (void)call_after(ex, kProgramsOfS + static_cast<std::uint32_t>(gear), word);
+      return Taken::done;
+    }
     if (gear > kMostGear || word.digit_count > 2) {
       ex.alarm(R::spindle_gear, word.column, "S" + std::to_string(gear));
       return Taken::done;
@@ -39,15 +63,48 @@ class Language final : public interp::OwnLanguage {
     return Taken::done;
   }
 
+  // T of two digits is no station: O92tt (218T L870). A station above their number is an alarm (L899).
+  Taken take_block(Executor& ex) override {
+    if (rules_.stations.empty() || !ex.block.has('T')) return Taken::plain;
+    const program::Word& word = ex.block['T'];
+    if (word.digits > 0 && word.digits <= kMostUserCode && word.decimals == 0 &&
+        ex.data.bit(rules_.subprograms)) {
+      ex.block.words &= ~program::letter_bit('T');
+      return call_after(ex, kProgramsOfT + static_cast<std::uint32_t>(word.digits), word) ? Taken::plain
+                                                                                          : Taken::done;
+    }
+    const double stations = ex.data.parameter(rules_.stations);
+    if (stations <= 0 || word.value() < (stations + 1) * 100) return Taken::plain;
+    ex.alarm(R::t_not_allowed, word.column, "T" + std::to_string(word.integer()));
+    return Taken::done;
+  }
+
   bool m_code(Executor& ex, const program::Code& code) override {
     const std::int32_t number = code.tenths / 10;
     if (number >= 41 && number <= 44) return change_gear(ex, code);
-    if (number >= 9'000) return call(ex, static_cast<std::uint32_t>(number), code.column);
-    if (!ex.data.bit(rules_.subprograms)) return ex.alarm(R::illegal_m, code, 'M');
-    return call(ex, 9'000 + static_cast<std::uint32_t>(number), code.column);
+    if (rules_.subprograms.empty()) return call(ex, static_cast<std::uint32_t>(number), code.column);
+    if (number > kMostUserCode || !ex.data.bit(rules_.subprograms)) return ex.alarm(R::illegal_m, code, 'M');
+    if (in_mdi(ex, code.column, "M")) return false;
+    return call(ex, kProgramsOfM + static_cast<std::uint32_t>(number), code.column);
   }
 
  private:
+  // Codes that are sub-programs are an alarm in MDI (218T L864).
+  bool in_mdi(Executor& ex, std::uint32_t column, const char* letter) const {
+    if (ex.switches.origin != interp::ProgramOrigin::mdi) return false;
+    ex.alarm(R::value_range, column, letter);
+    return true;
+  }
+
+  // Once the block is done. @return false after an alarm.
+  bool call_after(Executor& ex, std::uint32_t number, const program::Word& word) const {
+    if (in_mdi(ex, word.column, number >= kProgramsOfT ? "T" : "S")) return false;
+    ex.word_call = {0, number, false, false};
+    ex.sub_call = &ex.word_call;
+    ex.sub_call_column = word.column;
+    return true;
+  }
+
   bool call(Executor& ex, std::uint32_t number, std::uint32_t column) const {
     return ex.call(ex.programs == nullptr ? nullptr : ex.programs->open_number(number), number, 1, column);
   }
@@ -97,6 +154,32 @@ bool stroke_zone_on(Executor& ex) {
 
 bool stroke_zone_off(Executor& ex) {
   ex.emit<interp::StrokeCheck>().at = ex.at;
+  return true;
+}
+
+// APRS P006.6: an axis that G28 brought to its reference point stands at P044, P045 [0.001 mm] from then on.
+bool reference_return_218t(Executor& ex) {
+  if (!interp::handlers::reference_return(ex)) return false;
+  if (!ex.data.bit("P006.6")) return true;
+  struct Place {
+    char axis, step;
+    std::string_view parameter;
+  };
+  for (const Place& place : {Place{'X', 'U', "P044"}, Place{'Z', 'W', "P045"}}) {
+    const auto i = ex.axis_named(place.axis);
+    if (!i || (!ex.block.has(place.axis) && !ex.block.has(place.step))) continue;
+    auto& axis = ex.axes[*i];
+    const double wanted = ex.page_to_slide(*i, ex.data.parameter(place.parameter) / 1'000);
+    axis.zero_local = 0;
+    axis.zero_shift = ex.machine_now[*i] - wanted - axis.zero_external - axis.zero_work - axis.zero_tool;
+    ex.update_zero(*i);
+  }
+  // The last move ends in the new coordinates.
+  interp::Operation& made = ex.queue.size() > ex.queue_head ? ex.queue.back() : *ex.out;
+  if (auto* motion = std::get_if<interp::Rapid>(&made)) {
+    motion->end_work = ex.work_now;
+    motion->modal = ex.modal;
+  }
   return true;
 }
 

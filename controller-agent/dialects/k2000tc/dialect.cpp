@@ -149,7 +149,8 @@ Dialect make_k2000tc() {
   d.first_g10_work = 0;
   d.machine_incremental_is_alarm = true;
   d.linear_rapid_parameter = "P0004.1";
-  d.look_ahead.stops = true;  // L8655
+  d.look_ahead.stops = true;          // L8655
+  d.look_ahead.machine_moves = true;  // G53, L5669
   return d;
 }
 

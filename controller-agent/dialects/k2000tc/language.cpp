@@ -119,6 +119,35 @@ void Language::leave_modes(Executor& ex) {
   }
 }
 
+namespace {
+
+// What outlives RESET; the other modes end with it.
+struct KeptWords : interp::OwnModes {
+  std::int32_t last_m = 0;
+  interp::Point3 normal{};
+  SpindleThreadWords thread_words;
+};
+
+}  // namespace
+
+std::unique_ptr<interp::OwnModes> Language::make_modes() const {
+  return std::make_unique<KeptWords>();
+}
+
+void Language::keep_modes(interp::OwnModes& into) const {
+  auto& kept = static_cast<KeptWords&>(into);
+  kept.last_m = last_m;
+  kept.normal = normal;
+  kept.thread_words = thread_words;
+}
+
+void Language::restore_modes(const interp::OwnModes& from) {
+  const auto& kept = static_cast<const KeptWords&>(from);
+  last_m = kept.last_m;
+  normal = kept.normal;
+  thread_words = kept.thread_words;
+}
+
 void Language::reset(Executor& ex) {
   leave_modes(ex);
   if (ex.data.bit("P0500.6")) {  // CLRG52

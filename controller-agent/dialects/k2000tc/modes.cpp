@@ -244,6 +244,7 @@ bool dwell(Executor& ex) {
   auto& pause = ex.emit<interp::Dwell>();
   pause.at = ex.at;
   pause.modal = ex.modal;
+  ex.hold_look_ahead();  // L5382
   for (const char letter : {'X', 'U', 'P'}) {
     if (!b.has(letter)) continue;
     const program::Word& word = b[letter];

@@ -24,14 +24,7 @@ constexpr Compound kCompounds[] = {
 }  // namespace
 
 bool Language::raise(Executor& ex, std::string_view code, std::uint32_t column, std::string detail) {
-  if (ex.finished) return false;
-  auto& raised = ex.emit<interp::Alarm>();
-  raised.at = ex.at;
-  raised.at.column = column;
-  raised.code = code;
-  raised.detail = std::move(detail);
-  ex.finished = true;
-  return false;
+  return ex.alarm_code(code, column, std::move(detail));
 }
 
 bool Language::wrong_value(Executor& ex, Error error, std::uint32_t column) {

@@ -110,7 +110,29 @@ bool by_component(Executor& ex, const Present& present) {
   });
 }
 
+// The components are modes: a RESET takes back what was only read (interpreter/modal_memory.hpp).
+struct Components : interp::OwnModes {
+  std::vector<double> reference_shift;
+  std::vector<Language::StartPoint> start_points;
+};
+
 }  // namespace
+
+std::unique_ptr<interp::OwnModes> Language::make_modes() const {
+  return std::make_unique<Components>();
+}
+
+void Language::keep_modes(interp::OwnModes& into) const {
+  auto& kept = static_cast<Components&>(into);
+  kept.reference_shift = reference_shift;
+  kept.start_points = start_points;
+}
+
+void Language::restore_modes(const interp::OwnModes& from) {
+  const auto& kept = static_cast<const Components&>(from);
+  reference_shift = kept.reference_shift;
+  start_points = kept.start_points;
+}
 
 // G10: X Z make System read so by changing comp P, U W add to it (L2718). When P is not the active number,
 // the difference goes to P all the same and System stays.

@@ -49,6 +49,9 @@ class Language final : public interp::OwnLanguage {
   void power_on(Executor& ex) override;
   void start(Executor& ex) override;
   void reset(Executor& ex) override;
+  std::unique_ptr<interp::OwnModes> make_modes() const override;
+  void keep_modes(interp::OwnModes& into) const override;
+  void restore_modes(const interp::OwnModes& from) override;
   Taken before_block(Executor& ex, Frame& frame) override;
   Taken take_text(Executor& ex, Frame& frame) override;
   Taken take_spindle(Executor& ex) override;

@@ -77,6 +77,19 @@ bool looks_at_inputs(const Frame& frame) {
   return false;
 }
 
+// G10 G59 G60 write the offset page: only once everything before is done, so that a RESET never leaves an offset
+// changed by a block that did not run.
+bool writes_offsets(const Frame& frame) {
+  const char* end = frame.line.text.data() + frame.line.text.size();
+  for (const char* at = frame.rest; at < end; ++at) {
+    if (upper(*at) != 'G') continue;
+    std::size_t behind = 0;
+    const std::int64_t code = code_at({at, static_cast<std::size_t>(end - at)}, behind);
+    if (code == 10 || code == 59 || code == 60) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Language& language(Executor& ex) {
@@ -223,7 +236,8 @@ bool Language::take_m_codes(Executor& ex, std::string& text) {
 }
 
 interp::OwnLanguage::Taken Language::take_text(Executor& ex, Frame& frame) {
-  if (ex.environment->takes_time() && !ex.at_standstill && looks_at_inputs(frame)) {  // read when they are true
+  if (ex.environment->takes_time() && !ex.at_standstill && frame.wanted_sequence < 0 &&
+      (looks_at_inputs(frame) || writes_offsets(frame))) {  // read when they are true
     ex.hold_look_ahead();
     return Taken::done;
   }

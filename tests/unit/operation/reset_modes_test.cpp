@@ -55,5 +55,94 @@ TEST(ResetModes, TheToolOfABrokenBlockIsThatBefore) {
   EXPECT_EQ(bench.controller.live().offset, 1);
 }
 
+// The block that an alarm ended was not carried out: nothing of it stays. Whole blocks before it do (0i-D
+// K.32.1; the others say nothing else).
+struct Refused {
+  const char* profile;
+  const char* modes;       // a block that moves nothing
+  const char* refused;     // the block behind it
+  const char* stays;       // of `modes`
+  const char* before;      // what `refused` would have replaced …
+  const char* never_came;  // … and by what
+};
+
+class ResetAfterAlarm : public testing::TestWithParam<Refused> {};
+
+TEST_P(ResetAfterAlarm, LeavesNothingOfTheBlockThatWasRefused) {
+  const Refused& given = GetParam();
+  Bench bench(given.profile);
+  bench.load(std::string("G00 X5.\n") + given.modes + "\n" + given.refused + "\nM02\n");
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until_state(State::alarm));
+  bench.press(Action::reset);
+  ASSERT_TRUE(bench.until_state(State::idle));
+  EXPECT_TRUE(in_force(bench, given.stays)) << "carried out before the alarm";
+  EXPECT_TRUE(in_force(bench, given.before));
+  EXPECT_FALSE(in_force(bench, given.never_came));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Profiles, ResetAfterAlarm,
+    testing::Values(Refused{"fanuc-0i-m", "G91 F500.", "G55 G02 X10. I1. J1.", "G91", "G54", "G55"},
+                    Refused{"fanuc-0i-t", "G98 F500.", "G55 G02 X90. Z30. R0.1", "G98", "G54", "G55"},
+                    Refused{"gsk-2000tc", "G99 F0.5", "G55 G02 X90. Z30. R0.1", "G99", "G54", "G55"},
+                    Refused{"gsk-218t", "G99 F0.5", "G96 S100 G02 X90. Z30. R0.1", "G99", "G97", "G96"},
+                    Refused{"k2000tc", "G98 F500.", "G55 G02 X90. Z30. R0.1", "G98", "G54", "G55"},
+                    Refused{"lathe-200t", "G99 F0.5", "G96 S100 G02 X90. Z30. R0.1", "G99", "G97", "G96"}),
+    [](const testing::TestParamInfo<Refused>& given) {
+      std::string name = given.param.profile;
+      std::erase(name, '-');
+      return name;
+    });
+
+void run_mdi(Bench& bench, const std::string& text) {
+  ASSERT_TRUE(bench.press(Action::set_mode, static_cast<double>(Mode::mdi)).accepted);
+  ASSERT_TRUE(bench.controller.enter_mdi(text).accepted);
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until_state(State::idle));
+}
+
+void reset_in_motion(Bench& bench, double past_x) {
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until([&] { return bench.controller.sample().position[0] > past_x; }));
+  bench.press(Action::reset);
+  ASSERT_TRUE(bench.until_state(State::idle));
+}
+
+// 200T: System = Reference + Offset + Comp. G60 that was only read must not leave its share in one of them.
+TEST(ResetModes, ComponentsOfThe200TAreThoseOfTheLastBlock) {
+  Bench bench("lathe-200t");
+  bench.load("G98 G01 X40. F600\nG52 X500. Z700.\nG60 H01 X90. Z80.\nG01 X44.\nM02\n");
+  reset_in_motion(bench, 5);
+  run_mdi(bench, "G60 H02 X0 Z0\n");  // Offset becomes 0, which it was
+  const Live live = bench.controller.live();
+  EXPECT_NEAR(live.absolute[0], 2 * bench.controller.sample().position[0], 1e-9);
+  EXPECT_NEAR(live.absolute[1], bench.controller.sample().position[1], 1e-9);
+}
+
+TEST(ResetModes, TheStartPointOfThe200TIsThatOfTheLastBlock) {
+  Bench bench("lathe-200t");
+  bench.load("G50 X10. Z20.\nG98 G01 X60. F600\nG50 X300. Z400.\nG01 X44.\nM02\n");
+  reset_in_motion(bench, 5);
+  run_mdi(bench, "G26\n");
+  EXPECT_NEAR(bench.controller.sample().position[0], 0, 1e-9);
+  EXPECT_NEAR(bench.controller.live().absolute[0], 10, 1e-9);
+  EXPECT_NEAR(bench.controller.live().absolute[1], 20, 1e-9);
+}
+
+// K2000TC #4112: the M code before.
+TEST(ResetModes, TheLastMOfTheK2000TCIsThatOfTheLastBlock) {
+  Bench bench("k2000tc");
+  bench.load("M08\nG98 G01 X40. F600.\nM09\nX44.\nM30\n");
+  reset_in_motion(bench, 5);
+  run_mdi(bench, "#500=#4112\n");
+  double last_m = 0;
+  ASSERT_TRUE(
+      bench.controller
+          .edit_data([&](interp::MachineData& data) { last_m = data.common_variables[500]; }, {}, "test")
+          .accepted);
+  EXPECT_EQ(last_m, 8);
+}
+
 }  // namespace
 }  // namespace headstock::operation

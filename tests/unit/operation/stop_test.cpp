@@ -215,5 +215,22 @@ TEST(Stop, FeedOverrideZeroStandsAndComesBack) {
   EXPECT_NEAR(bench.controller.sample().position[0], 50, 1e-9);
 }
 
+// More moves than are remembered have been made, and nothing is traced since the position was set: the next
+// program starts all the same.
+TEST(Stop, AProgramStartsAfterAnyNumberOfMoves) {
+  Bench bench;
+  bench.load(
+      "O1\nG91 G94 G21\n#1=0\nWHILE[#1LT4500]DO1\nG01 X0.01 F6000.\nX-0.01\n#1=#1+1\nEND1\nM30\n");
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until_state(State::idle, 600));
+  ASSERT_TRUE(bench.press(Action::reset).accepted);
+  ASSERT_TRUE(bench.until_state(State::idle, 5));
+  for (int i = 0; i < 10; ++i) bench.period();
+  bench.load("O2\nG90 G94 G21\nG01 X5. F3000.\nM30\n", "O2");
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until_state(State::idle, 30));
+  EXPECT_EQ(bench.controller.sample().position[0], 5);
+}
+
 }  // namespace
 }  // namespace headstock::operation
