@@ -158,8 +158,9 @@ int simulate(const SimulateOptions& options) {
     session->programs.add_file(options.file);
   }
 
-  operation::Controller controller(session->machine, session->data,
-                                   operation::virtual_options(session->switches));
+  operation::ControllerOptions made = operation::virtual_options(session->switches);
+  made.drive = axes::make_drive(session->machine);  // exact stops last until the machine's own drives are there
+  operation::Controller controller(session->machine, session->data, std::move(made));
   Measurement measurement(controller, session->start_position(), !options.quick);
   try {
     if (!options.trace.empty()) measurement.open_trace(options.trace);

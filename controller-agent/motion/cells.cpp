@@ -14,7 +14,10 @@ constexpr double kJerkUnlimited = 1e9;
 // margins pay for derivatives that change within one period.
 constexpr double kVelocity = 0.9995, kAcceleration = 0.995, kJerk = 0.96;
 constexpr double kBendShare = 0.99;  // of the acceleration for curvature at the highest speed
-constexpr double kTwistShare = 0.8;  // of the jerk for twist at the highest speed
+// Of the jerk for twist at the highest speed. The rest is left for acceleration: with stiff axes that is what
+// time is lost by, with soft ones the highest speed is reached almost everywhere.
+constexpr double kTwistShare = 0.5, kSoftTwistShare = 0.7;
+constexpr int kJerkPoints = 2;  // speeds the jerk limit is looked at
 // Smoothing time: twice acceleration / jerk lets a straight line use its whole acceleration, once of it blurs
 // half as much. The longer one pays as long as it is short beside the waves of a path.
 constexpr double kLongSmoothing_s = 0.010;
@@ -23,13 +26,15 @@ constexpr double kLongSmoothing_s = 0.010;
 // the first order, and half the way is enough.
 constexpr double kWindowMargin = 1.0, kSmoothMargin = 0.1;
 constexpr double kSmoothWindow = 0.2, kJumpInWindow = 0.05;  // found by the property tests, not by a proof
-constexpr double kJump = 0.012;    // of the acceleration: error of a step's middle that is small enough
+// Of the acceleration: error of a step's middle that is small enough. Averaging adds errors of its own.
+constexpr double kJump = 0.012, kJumpUnsmoothed = 0.02;
 constexpr double kJerkJump = 0.5;  // of the jerk: change of what twist takes of it that is small enough
 // A bend is cut into at most so many cells, as far as its reach makes a share of it worth telling apart.
 struct BendParts {
   double most, blur;
 };
-constexpr BendParts kParts{6, 0.08}, kPartsUnsmoothed{8, 0.05};
+constexpr BendParts kParts{12, 0.08}, kPartsUnsmoothed{12, 0.05};
+constexpr double kMuchSlower = 0.7;  // a bend beside is cut where the limits of something as slow as this end
 
 }  // namespace
 
@@ -44,6 +49,7 @@ CellMaker::CellMaker(const machine::Machine& machine) : period_s_(machine.period
     jerk_limited_ = jerk_limited_ || limited;
     fastest_ = std::hypot(fastest_, std::max(axis.max_feed_mm_min, axis.rapid_mm_min) / 60);
   }
+  twist_share_ = 2 * longest <= kLongSmoothing_s ? kTwistShare : kSoftTwistShare;
   own_smoothing_ = std::clamp<std::size_t>(
       static_cast<std::size_t>(
           std::lround(std::max(longest, std::min(2 * longest, kLongSmoothing_s)) / period_s_)),
@@ -91,7 +97,7 @@ void CellMaker::reset() {
 
 void CellMaker::measure(const Span& span, double from, double to, RawCell& cell) {
   const double u0 = from - span.begin, h = to - from;
-  double speed = kAny;
+  double speed = kAny, bend_taken = 0, twist_taken = 0;  // of the limits, per v² and v³
   AxisVector bends{}, twist{};
   bool rapid_only = true;
   while (sections_.size() > 1 && sections_.front().end <= from) sections_.pop_front();
@@ -129,24 +135,42 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
     const AxisLimits& axis = axes_[i];
     if (cell.rate[i] > 0)
       speed = std::min(speed, (rapid_only ? axis.rapid : std::min(axis.feed, axis.rapid)) / cell.rate[i]);
-    if (bend > 0) speed = std::min(speed, std::sqrt(kBendShare * axis.acceleration / bend));
-    if (twist[i] > 0) speed = std::min(speed, std::cbrt(kTwistShare * axis.jerk / twist[i]));
+    bend_taken = std::max(bend_taken, bend / axis.acceleration);
+    twist_taken = std::max(twist_taken, twist[i] / axis.jerk);
   }
+  if (bend_taken > 0) speed = std::min(speed, std::sqrt(kBendShare / bend_taken));
+  if (twist_taken > 0) speed = std::min(speed, std::cbrt(twist_share_ / twist_taken));
   cell.speed = std::min(speed, cell.feed * kMaxOverride);
-  // Per axis |a| <= (J - twist v³) / (3 bend v_max + 2 rate / smoothing time): concave in v², so its chord
-  // from no speed to the highest is inside.
-  double still = kAny, fast = kAny;
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const double per_acceleration = 3 * bends[i] * cell.speed + 2 * cell.rate[i] / smoothing_s_;
-    if (!(axes_[i].jerk < kAny) || per_acceleration <= 0) continue;
-    still = std::min(still, axes_[i].jerk / per_acceleration);
-    fast =
-        std::min(fast, (axes_[i].jerk - twist[i] * cell.speed * cell.speed * cell.speed) / per_acceleration);
-  }
-  cell.jerk_gain = still;
-  cell.jerk_loss = still < kAny && cell.speed > 0 ? (still - fast) / (cell.speed * cell.speed) : 0;
+  limit_by_jerk(bends, twist, cell);
   cell.reach = cell.speed * window_s_;
   if (smooth_around(span, cell.speed)) cell.reach = cell.speed * smooth_window_s_;
+}
+
+void CellMaker::limit_by_jerk(const AxisVector& bends, const AxisVector& twist, RawCell& cell) const {
+  cell.jerk_gain = kAny;
+  cell.jerk_loss = 0;
+  if (!jerk_limited_) return;
+  // Per axis |a| <= (J - twist v³) / (3 bend v + 2 rate / smoothing time). The steepest line in v² that ends
+  // on it at the highest speed and is nowhere above it.
+  std::array<double, kJerkPoints + 1> allowed;
+  for (int k = 0; k <= kJerkPoints; ++k) {
+    const double v = cell.speed * k / kJerkPoints;
+    double& a = allowed[static_cast<std::size_t>(k)] = kAny;
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      const double per_acceleration = 3 * bends[i] * v + 2 * cell.rate[i] / smoothing_s_;
+      if (!(axes_[i].jerk < kAny) || per_acceleration <= 0) continue;
+      a = std::min(a, (axes_[i].jerk - twist[i] * v * v * v) / per_acceleration);
+    }
+  }
+  const double fastest = allowed.back(), square = cell.speed * cell.speed;
+  if (!(fastest < kAny)) return;
+  double loss = kAny;
+  for (int k = 0; k < kJerkPoints && square > 0; ++k) {
+    const double share = 1 - static_cast<double>(k * k) / (kJerkPoints * kJerkPoints);
+    loss = std::min(loss, (allowed[static_cast<std::size_t>(k)] - fastest) / (share * square));
+  }
+  cell.jerk_loss = loss < kAny ? std::max(0.0, loss) : 0;
+  cell.jerk_gain = fastest + cell.jerk_loss * square;
 }
 
 void CellMaker::limit(RawCell& target, const RawCell& by) {
@@ -168,10 +192,11 @@ bool CellMaker::smooth_around(const Span& span, double speed) const {
   const double factor = speed * speed * speed * period_s_ *
                         std::max(1.0, kJumpInWindow * static_cast<double>(smoothing_periods_));
   const double twist = 6 * speed * speed * speed;
+  const double small = smoothing_periods_ > 1 ? kJump : kJumpUnsmoothed;
   const auto jumps = [&](const Span& other) {
     for (std::size_t i = 0; i < axes_.size(); ++i) {
       const double jump = std::abs(span.c[3][i] - other.c[3][i]);
-      if (jump * factor > kJump * axes_[i].acceleration || jump * twist > kJerkJump * axes_[i].jerk)
+      if (jump * factor > small * axes_[i].acceleration || jump * twist > kJerkJump * axes_[i].jerk)
         return true;
     }
     return false;
@@ -201,21 +226,27 @@ void CellMaker::cut(const Span& span) {
   // straight stretch has only one set.
   const double length = span.end - span.begin;
   int parts = 1;
+  RawCell whole;
+  whole.begin = span.begin;
+  whole.end = span.end;
+  whole.straight = span.straight;
+  whole.shape = shape_;
+  whole.smoothing = static_cast<std::uint16_t>(smoothing_periods_);
+  measure(span, span.begin, span.end, whole);
   if (!span.straight) {
-    RawCell whole;
-    measure(span, span.begin, span.end, whole);
     const BendParts& cuts = smoothing_periods_ > 1 ? kParts : kPartsUnsmoothed;
     parts = static_cast<int>(std::clamp(std::ceil(length / (cuts.blur * whole.reach)), 1.0, cuts.most));
+  }
+  if (parts == 1) {
+    add_cell(whole, span.stop);
+    return;
   }
   double from = span.begin;
   for (int i = 1; i <= parts; ++i) {
     const double to = i == parts ? span.end : span.begin + length * i / parts;
-    RawCell cell;
+    RawCell cell = whole;
     cell.begin = from;
     cell.end = to;
-    cell.straight = span.straight;
-    cell.shape = shape_;
-    cell.smoothing = static_cast<std::uint16_t>(smoothing_periods_);
     measure(span, from, to, cell);
     add_cell(cell, span.stop && i == parts);
     from = to;
@@ -225,27 +256,36 @@ void CellMaker::cut(const Span& span) {
 void CellMaker::add_cell(RawCell cell, bool stop) {
   spread_back(cell);
   const RawCell own = cell;
-  std::erase_if(reaching_, [&](const RawCell& r) { return r.end + r.reach <= cell.begin; });
-  if (cell.straight) {
-    // A long straight stretch is cut where limits of the bends behind it end.
-    for (;;) {
-      double cut = kAny, grouped = 0;
-      for (const RawCell& r : reaching_) {
-        const double at = r.end + r.reach;
-        if (at <= cell.begin || at >= cell.end) continue;
-        // Ends close together share one cut, behind the last of them.
-        if (at < cell.begin + 0.2 * (cell.begin - r.end) + 0.02 * r.reach)
-          grouped = std::max(grouped, at);
-        else
-          cut = std::min(cut, at);
-      }
-      if (grouped > 0) cut = grouped;
-      if (cut == kAny || cell.end - cut < 0.1 * (own.end - own.begin)) break;
-      RawCell part = cell;
-      part.end = cut;
-      append(part);
-      cell.begin = cut;
+  // A straight stretch is cut where limits of what is behind it end, a bend where that was much slower.
+  ending_.clear();
+  std::size_t passed = 0;
+  for (const RawCell& r : reaching_) {
+    const double at = r.end + r.reach;
+    if (at <= cell.begin)
+      ++passed;
+    else if (at < cell.end && (cell.straight || r.speed < kMuchSlower * cell.speed))
+      ending_.push_back({at, r.end, r.reach});
+  }
+  if (2 * passed > reaching_.size())  // moving the others costs more than looking at these
+    std::erase_if(reaching_, [&](const RawCell& r) { return r.end + r.reach <= cell.begin; });
+  while (!ending_.empty()) {
+    // Ends close together share one cut, behind the last of them.
+    double together = kAny, cut = kAny, grouped = 0;
+    for (const Ending& r : ending_)
+      if (r.at > cell.begin) together = std::min(together, 0.2 * (cell.begin - r.end) + 0.02 * r.reach);
+    for (const Ending& r : ending_) {
+      if (r.at <= cell.begin) continue;
+      if (r.at < cell.begin + together)
+        grouped = std::max(grouped, r.at);
+      else
+        cut = std::min(cut, r.at);
     }
+    if (grouped > 0) cut = grouped;
+    if (cut == kAny || cell.end - cut < 0.1 * (own.end - own.begin)) break;
+    RawCell part = cell;
+    part.end = cut;
+    append(part);
+    cell.begin = cut;
   }
   cell.stop = stop;
   append(cell);
@@ -270,7 +310,8 @@ void CellMaker::spread_back(const RawCell& from) {
   for (std::size_t k = staged_.size(); k-- > final_;) {
     RawCell& cell = staged_[k];
     if (cell.end <= until) break;
-    const bool cut = cell.straight && until - cell.begin > 0.1 * (cell.end - cell.begin);
+    const bool cut = (cell.straight || from.speed < kMuchSlower * cell.speed) &&
+                     until - cell.begin > 0.1 * (cell.end - cell.begin);
     if (cut) {
       RawCell before = cell;
       before.end = until;

@@ -6,10 +6,10 @@
 // acceleration a, jerk j along the path its limits hold when
 //     rate v <= V      bend v² + rate |a| <= A      twist v³ + 3 bend v |a| + rate |j| <= J.
 // The moving average of `smoothing_s` makes |j| <= 2 max|a| / smoothing_s, which turns the third into a limit
-// on a; twist v³ there is taken as twist v_max v², so that it is linear in v² as the others are. Because
-// averaged values mix what happened within that time, each cell's limits are also laid on everything within
-// its own highest speed times half that time, before and behind ("spreading"): a window whose average lies
-// here and that reaches farther would have gone faster than allowed near here.
+// on a that falls with v; a line in v² below it takes its place, so that it is linear in v² as the others
+// are. Because averaged values mix what happened within that time, each cell's limits are also laid on
+// everything within its own highest speed times half that time, before and behind ("spreading"): a window
+// whose average lies here and that reaches farther would have gone faster than allowed near here.
 #pragma once
 
 #include <algorithm>
@@ -47,10 +47,10 @@ struct Cell {
   AxisVector loss_up{};    ///< of it per v² by curvature when speeding up [1/mm]; negative: curvature helps
   AxisVector loss_down{};  ///< the same when braking
   double speed_up = 0, slow_down = 0;  ///< along the path, whatever the axes could [mm/s²]
-  double jerk_gain = 0;    ///< |a| allowed by jerk at no speed, mm/s²
-  double jerk_loss = 0;    ///< of it per v² [1/mm], >= 0
-  PerPlan ceiling{};       ///< highest v² of each plan
-  PerPlan ceiling_braking{};  ///< deceleration allowed at the ceiling
+  double jerk_gain = 0;                ///< |a| allowed by jerk at no speed, mm/s²
+  double jerk_loss = 0;                ///< of it per v² [1/mm], >= 0
+  PerPlan ceiling{};                   ///< highest v² of each plan
+  PerPlan ceiling_braking{};           ///< deceleration allowed at the ceiling
   /// v² at `begin` from which the path ahead can be followed; only ever raised while published.
   std::array<std::atomic<double>, kPlanCount> entry{};
 
@@ -80,7 +80,8 @@ struct Cell {
   /// Highest v² from which, braking over `way`, v² = `ahead` is reached.
   double entry_before(double ahead, double way) const {
     const double twice = 2 * way;
-    double square = std::min((ahead + twice * jerk_gain) / (1 + twice * jerk_loss), ahead + twice * slow_down);
+    double square =
+        std::min((ahead + twice * jerk_gain) / (1 + twice * jerk_loss), ahead + twice * slow_down);
     for (std::size_t i = 0; i < axes; ++i) {
       // Curvature counts where it leaves least: at the entry when it costs, at the end of the cell when it
       // helps.
@@ -161,6 +162,7 @@ class CellMaker {
   bool smooth_around(const Span& span, double speed) const;
   void measure(const Span& span, double from, double to, RawCell& cell);
   void add_cell(RawCell cell, bool stop);
+  void limit_by_jerk(const AxisVector& bends, const AxisVector& twist, RawCell& cell) const;
   static void limit(RawCell& target, const RawCell& by);
 
   std::vector<AxisLimits> axes_;
@@ -169,11 +171,16 @@ class CellMaker {
   std::uint8_t shape_ = 0;
   double smoothing_s_ = 0, window_s_ = 0, smooth_window_s_ = 0;
   double longest_reach_ = 0, fastest_ = 0;
+  double twist_share_ = 1;
   bool jerk_limited_ = false;
   std::deque<FeedSection> sections_;
   std::deque<RawCell> staged_;     // since the last stop, not final
   std::vector<RawCell> reaching_;  // cells whose limits still reach beyond the newest
-  std::size_t final_ = 0;          // staged_ cells that are final
+  struct Ending {
+    double at, end, reach;  // end + reach, and of which cell
+  };
+  std::vector<Ending> ending_;  // of those, inside the newest
+  std::size_t final_ = 0;       // staged_ cells that are final
   double newest_ = 0;
   std::optional<Span> previous_, pending_;
   const Span* following_ = nullptr;  // of pending_, while it is cut

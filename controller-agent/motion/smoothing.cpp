@@ -15,17 +15,20 @@ constexpr std::size_t kWindow = 10;  // corners to either side that may share a 
 constexpr double kAligned =
     0.77 * 6;  // share of the tolerance for a corner with a knot on it (error: turn * d / 6)
 constexpr double kBesideArc = 0.48 * 6;  // the arc's own knots take a share, too
-constexpr double kMerged = 0.47;         // share for corners without knots
+constexpr double kRun = 0.7;             // share in runs of short segments: knots are not evenly apart there
+constexpr double kRunGrowth = 1.3;       // of the distance of knots from one to the next, in a run
 constexpr double kArc = 0.35 * 6;        // share of an arc's ends (error: d² / 6 radius)
 constexpr double kArcAngle = 0.15;       // rad between knots inside an arc
 constexpr double kMostWidth = 50;        // mm
+constexpr int kWidthSteps = 6;           // of halving the range a width of a run is searched in
 constexpr double kNearWhole = 0.9;       // of a line: a knot beyond it goes to the middle
 
-/// Largest error a unit corner makes at distance x when knots are `width` apart (an upper envelope over all
-/// positions).
+/// In a run: largest error a unit corner makes at distance x when knots are `width` apart, wherever it lies
+/// between them (an upper envelope of the spline of hat-weighted means).
+constexpr double kReach = 2.1;
 double envelope(double x, double width) {
-  const double r = 1 - x / (1.5 * width);
-  return r > 0 ? 0.2709 * width * r * r : 0;
+  const double r = 1 - x / (kReach * width);
+  return r > 0 ? 0.2908 * width * r * r * r : 0;
 }
 
 double tangent_change(const Curve& from, const Curve& to) {
@@ -80,7 +83,7 @@ bool Smoother::known_ahead(std::size_t index) const {
 }
 
 double Smoother::rounding_error(std::size_t index, double width) const {
-  const double at = nodes_[index].piece.end, reach = 1.5 * width;
+  const double at = nodes_[index].piece.end, reach = kReach * width;
   double error = nodes_[index].corner.turn * envelope(0, width);
   for (std::size_t k = index; k-- > 0;) {
     const double x = at - nodes_[k].piece.end;
@@ -113,17 +116,19 @@ const Smoother::Corner& Smoother::measured(std::size_t index) {
       kMostWidth, (beside_arc ? kBesideArc : kAligned) * piece.tolerance / std::max(corner.turn, 1e-12));
   if (beside_arc) corner.width = std::min({corner.width, width_beside(piece), width_beside(following)});
   if (beside_arc || corner.width <= room) return corner;
-  // A neighbour is shorter than the blend: can knots be further apart than the corners?
-  double width = std::min(
-      corner.width,
-      8 * std::max(room, 0.5 * std::min(corner.width, std::max(piece.curve.length, following.curve.length))));
-  while (width > 1.2 * room) {
-    if (rounding_error(index, width) <= kMerged * piece.tolerance) {
-      corner.width = width;
-      corner.mergeable = true;
-      return corner;
+  // A neighbour is shorter than the blend: do knots at least as far apart as the corners stay inside?
+  double least = room,
+         most = std::min(corner.width,
+                         8 * std::max(room, 0.5 * std::min(corner.width, std::max(piece.curve.length,
+                                                                                  following.curve.length))));
+  if (least < most && rounding_error(index, least) <= kRun * piece.tolerance) {
+    for (int i = 0; i < kWidthSteps; ++i) {
+      const double middle = std::sqrt(least * most);
+      (rounding_error(index, middle) <= kRun * piece.tolerance ? least : most) = middle;
     }
-    width *= 0.75;
+    corner.width = least;
+    corner.run = true;
+    return corner;
   }
   // All corners keep their knots; no interval much longer than the short one, or it would pull at the corner
   // beside it.
@@ -140,46 +145,12 @@ bool Smoother::place_knots() {
     emit_arc(piece, width_before_, corner.width);
     width_before_ = corner.width;
   } else {
-    // The farthest corner the next knot can go to, leaving out corners on the way.
-    double most = width_before_, reached = 0;
-    std::size_t to = placing_;
-    bool found = false;
-    for (std::size_t k = placing_; k < nodes_.size() && k - placing_ <= kWindow; ++k) {
-      const Piece& candidate = nodes_[k].piece;
-      if (candidate.curve.is_arc) break;
-      const double interval = candidate.end - from;
-      const Corner& corner = measured(k);
-      most = std::min(most, corner.width);
-      const bool grows_gently = k == placing_ || last_interval_ == 0 || interval <= 2.5 * last_interval_;
-      if (interval <= most && grows_gently) {
-        found = true;
-        to = k;
-        reached = interval;
-      }
-      if (interval > most || !corner.mergeable) break;
+    const Placed placed = place_in_run(from);
+    if (placed == Placed::inside) {
+      forget_passed();
+      return true;
     }
-    if (!found) {
-      const double after = measured(placing_).width;
-      emit_line(from, piece.end, width_before_, after);
-      width_before_ = after;
-    } else {
-      const Corner& corner = measured(to);
-      double limit = std::min(width_before_, corner.width);
-      for (std::size_t k = placing_; k < to; ++k) limit = std::min(limit, measured(k).width);
-      const Node* next = to + 1 < nodes_.size() ? &nodes_[to + 1] : nullptr;
-      const bool into_next = corner.mergeable && reached < 0.5 * limit && next && !next->piece.curve.is_arc &&
-                             next->piece.end - from > 1.5 * limit && from + limit > next->piece.begin;
-      placing_ = to;
-      if (into_next) {
-        last_interval_ = limit;
-        knot(from + limit);
-        width_before_ = kAny;  // inside a straight move: the move's own end decides
-      } else {
-        last_interval_ = reached;
-        knot(nodes_[to].piece.end);
-        width_before_ = corner.width;
-      }
-    }
+    if (placed == Placed::nothing) place_line(from, width_before_);
   }
   if (nodes_[placing_].piece.stop) {
     knot(nodes_[placing_].piece.end);
@@ -191,6 +162,57 @@ bool Smoother::place_knots() {
   ++placing_;
   forget_passed();
   return true;
+}
+
+void Smoother::place_line(double from, double before) {
+  const double end = nodes_[placing_].piece.end, after = measured(placing_).width;
+  if (end - from <= std::min(before, after)) {
+    last_interval_ = end - from;
+    knot(end);
+  } else {
+    emit_line(from, end, before, after);
+  }
+  width_before_ = after;
+}
+
+Smoother::Placed Smoother::place_in_run(double from) {
+  if (!measured(placing_).run && !(from > nodes_[placing_].piece.begin)) return Placed::nothing;
+  double most = width_before_;
+  if (last_interval_ > 0) most = std::min(most, kRunGrowth * last_interval_);
+  // The narrowest of the corners near; the first one ahead that keeps a knot.
+  double keeps = kAny;
+  std::size_t at = placing_;
+  for (; at < nodes_.size() && at - placing_ <= kWindow; ++at) {
+    const double way = nodes_[at].piece.end - from;
+    if (way > 2 * most) break;
+    const Corner& corner = measured(at);
+    most = std::min(most, corner.width);
+    if (corner.run) continue;
+    keeps = way;
+    break;
+  }
+  if (at == placing_ && nodes_[at].piece.end - from > 4 * most) {  // into a long line, out of the run
+    place_line(from, most);
+    return Placed::at_corner;
+  }
+  if (keeps < kAny) {
+    const double count = std::max(1.0, std::ceil(keeps / most - 1e-9));
+    last_interval_ = keeps / count;
+    if (count == 1) {
+      placing_ = at;
+      knot(nodes_[at].piece.end);
+      width_before_ = nodes_[at].corner.width;
+      return Placed::at_corner;
+    }
+  } else {
+    last_interval_ = most;
+  }
+  const double to = from + last_interval_;
+  knot(to);
+  while (nodes_[placing_].piece.end <= to) ++placing_;
+  const bool corner_near = placing_ > 0 && to - nodes_[placing_].piece.begin < 2 * last_interval_;
+  width_before_ = corner_near ? nodes_[placing_ - 1].corner.width : kAny;
+  return Placed::inside;
 }
 
 void Smoother::emit_line(double begin, double end, double before, double after) {
@@ -245,6 +267,8 @@ void Smoother::knot(double t) {
 AxisVector Smoother::control(double t1, double t2, double t3) {
   const double mean = t1 + ((t2 - t1) + (t3 - t1)) / 3;
   while (control_piece_ + 1 < nodes_.size() && nodes_[control_piece_].piece.end < mean) ++control_piece_;
+  AxisVector mean_of_run;
+  if (mean_in_run(t1, t2, t3, mean_of_run)) return mean_of_run;
   const Piece& piece = nodes_[control_piece_].piece;
   const Curve& curve = piece.curve;
   double outward = 1;
@@ -256,10 +280,39 @@ AxisVector Smoother::control(double t1, double t2, double t3) {
   return curve.point(std::clamp(mean - piece.begin, 0.0, curve.length), outward);
 }
 
+bool Smoother::mean_in_run(double t1, double t2, double t3, AxisVector& mean) const {
+  if (!(t1 < t2 && t2 < t3)) return false;
+  std::size_t first = control_piece_, last = control_piece_;
+  while (first > 0 && nodes_[first].piece.begin > t1) --first;
+  while (last + 1 < nodes_.size() && nodes_[last].piece.end < t3) ++last;
+  if (first == last || nodes_[first].piece.begin > t1 || nodes_[last].piece.end < t3) return false;
+  for (std::size_t k = first; k < last; ++k)
+    if (!nodes_[k].corner.run) return false;
+  // Straight piece times straight side of the hat: Simpson's rule is exact.
+  mean = AxisVector{};
+  const auto weigh = [&](const Piece& piece, double from, double to) {
+    if (!(from < to)) return;
+    const double share = (to - from) / (3 * (t3 - t1)), middle = 0.5 * (from + to);
+    for (const auto& [t, times] : {std::pair{from, 1.0}, {middle, 4.0}, {to, 1.0}}) {
+      const double weight = share * times * (t < t2 ? (t - t1) / (t2 - t1) : (t3 - t) / (t3 - t2));
+      const double u = t - piece.begin;
+      for (std::size_t i = 0; i < axes_; ++i)
+        mean[i] += weight * (piece.curve.start[i] + piece.curve.direction[i] * u);
+    }
+  };
+  for (std::size_t k = first; k <= last; ++k) {
+    const Piece& piece = nodes_[k].piece;
+    const double from = std::max(t1, piece.begin), to = std::min(t3, piece.end);
+    weigh(piece, from, std::min(to, t2));
+    weigh(piece, std::max(from, t2), to);
+  }
+  return true;
+}
+
 void Smoother::forget_passed() {
   const std::size_t needed = std::min(placing_, control_piece_);
-  if (needed < 4 * kWindow) return;
-  const std::size_t drop = needed - (kWindow + 2);
+  if (needed < 6 * kWindow) return;
+  const std::size_t drop = needed - 3 * kWindow;
   nodes_.erase(nodes_.begin(), nodes_.begin() + static_cast<std::ptrdiff_t>(drop));
   placing_ -= drop;
   control_piece_ -= drop;

@@ -6,10 +6,11 @@
 // everywhere (its third derivative is bounded: no jump in acceleration at any speed), has local support, and
 // never needs a system solved. A corner with a knot on it and knots d away deviates by |change of tangent| *
 // d / 6, so the tolerance gives d directly. A knot three times over makes the spline pass through a point: an
-// exact stop. Runs of short segments take knots on a part of their corners only, as far apart as the
-// tolerance allows; their blends share segments that way and the rounding noise of the program is smoothed.
-// Inside arcs the control points are moved outward so that the spline lies on the arc (error below radius *
-// (d/radius)^4 / 300).
+// exact stop. Runs of short segments take their knots without regard to the corners, as far apart as the
+// tolerance allows and with distances that change gently; the control points are there means of the path,
+// weighted by the hat over the three knots (straight lines are reproduced as before), so that neither the sag
+// of the chords nor the rounding of the program's numbers shows in the acceleration. Inside arcs the control
+// points are moved outward so that the spline lies on the arc (error below radius * (d/radius)^4 / 300).
 //
 // Not thread-safe; look-ahead thread.
 #pragma once
@@ -62,9 +63,9 @@ class Smoother {
 
  private:
   struct Corner {
-    double turn = 0;         ///< |change of tangent|
-    double width = 0;        ///< knot distance it allows
-    bool mergeable = false;  ///< needs no knot of its own when knots are no further apart than `width`
+    double turn = 0;   ///< |change of tangent|
+    double width = 0;  ///< knot distance it allows
+    bool run = false;  ///< needs no knot of its own when knots are no further apart than `width`
     bool measured = false;
   };
   struct Node {
@@ -79,7 +80,12 @@ class Smoother {
   void emit_line(double begin, double end, double before, double after);
   void emit_arc(const Piece& piece, double before, double after);
   void knot(double t);
+  enum class Placed : std::uint8_t { nothing, inside, at_corner };
+  Placed place_in_run(double from);
+  void place_line(double from, double before);
   AxisVector control(double t1, double t2, double t3);
+  /// Hat-weighted mean of the path. @return false: not across corners of a run only
+  bool mean_in_run(double t1, double t2, double t3, AxisVector& mean) const;
   void forget_passed();
 
   std::size_t axes_;

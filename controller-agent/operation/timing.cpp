@@ -111,7 +111,9 @@ std::map<std::int32_t, double> life_taken(const tools::LifeTable& before, const 
 RunEstimate estimate(const machine::Machine& machine, const interp::MachineData& data, OpenProgram main,
                      std::shared_ptr<program::Programs> sub_programs, const interp::Switches& switches,
                      const EstimateBudget& budget) {
-  Controller controller(machine, data, virtual_options(switches));
+  ControllerOptions options = virtual_options(switches);
+  options.drive = axes::make_drive(machine);  // exact stops last until the machine's own drives are there
+  Controller controller(machine, data, std::move(options));
   Estimator estimator(machine, budget);
   controller.on_operation([&](const interp::Operation& operation) { estimator.operation(operation); });
   controller.on_move([&](const motion::Move& move) { estimator.move(move); });

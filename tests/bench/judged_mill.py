@@ -11,6 +11,8 @@ profile = "fanuc-0i-m"
 period_us = 1000
 [path]
 tolerance_mm = {TOLERANCE}
+[drive]
+type = "ideal"
 """ + "".join(f"""[axis.{axis}]
 rapid_mm_min = {VELOCITY * 60}
 max_feed_mm_min = {VELOCITY * 60}

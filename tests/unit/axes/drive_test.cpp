@@ -121,6 +121,19 @@ TEST(SimulatedDrive, ANewNameForWhereItStandsMovesNothing) {
   EXPECT_NEAR(drive.true_position(0), 37, 1e-12);
 }
 
+TEST(RecorderDrive, KeepsTheFirstSetPointsInOrderAndFollowsIdeally) {
+  RecorderDrive drive(3);
+  for (int i = 1; i <= 5; ++i) {
+    drive.command({0.1 * i});
+    EXPECT_EQ(drive.actual()[0], 0.1 * i);
+  }
+  ASSERT_EQ(drive.record().size(), 3u);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(drive.record()[static_cast<std::size_t>(i)][0], 0.1 * (i + 1));
+  drive.enable(false);
+  drive.command({9});
+  EXPECT_EQ(drive.actual()[0], 0.5) << "without power it stays";
+}
+
 TEST(SimulatedSpindle, ItsRampIsRoundedAndItsStopIsForeseen) {
   machine::Spindle data;
   data.acceleration_rpm_s = 2000;

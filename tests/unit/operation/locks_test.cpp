@@ -210,6 +210,35 @@ TEST(NoLockInTheCycle, Threads) {
   ASSERT_TRUE(run.until_state(State::idle));
 }
 
+TEST(NoLockInTheCycle, AccelerationBehindTheInterpolation) {
+  WatchedBench run("fanuc-0i-m");
+  Bench& bench = run.bench;
+  ASSERT_TRUE(bench.controller
+                  .edit_data(
+                      [](interp::MachineData& data) {
+                        for (const char* name : {"X", "Y", "Z"}) {
+                          data.parameters[std::string("1622/") + name] = 80;  // exponential
+                          data.parameters[std::string("1769/") + name] = 40;  // linear
+                          data.parameters[std::string("1660/") + name] = 800;
+                        }
+                        data.parameters["1602#6"] = 1;
+                        data.parameters["1772"] = 50;
+                      },
+                      {}, "test")
+                  .accepted);
+  bench.load("O1\nG90 G94 G21\nG01 X20. F3000.\nY20.\nG05.1 Q1\nX0.\nY0.\nG05.1 Q0\nG00 X30.\nM30\n");
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(run.until([&] { return run.at(0) > 5; }));
+  bench.press(Action::feed_hold);
+  ASSERT_TRUE(run.stands());
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(run.until_state(State::idle));
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(run.until([&] { return run.at(1) > 5; }));
+  ASSERT_TRUE(bench.press(Action::reset).accepted);
+  ASSERT_TRUE(run.until_state(State::idle));
+}
+
 TEST(NoLockInTheCycle, TapsAndPullingOneOut) {
   WatchedBench run("fanuc-0i-m");
   Bench& bench = run.bench;

@@ -46,6 +46,28 @@ TEST(Estimate, TimeLengthBoundsAndTools) {
   EXPECT_EQ(estimate.tools, (std::vector<std::int32_t>{3, 5}));
 }
 
+// The same code on the machine, with its servo drives: the prediction is what it takes, to the period.
+TEST(Estimate, IsWhatTheMachineTakes) {
+  for (const char* profile : {"fanuc-0i-m", "fanuc-0i-t"}) {
+    const bool mill = std::string_view(profile) == "fanuc-0i-m";
+    const std::string program = mill ? "O1\nG90 G94 G21 G17\nM03 S1000\nG00 X20. Z5.\nG01 Z-2. F600.\nG61 "
+                                       "X40.\nY20.\nG64 G03 X30. Y30. R10.\n"
+                                       "G01 X0\nM08\nG04 P250\nG00 Z50.\nM30\n"
+                                     : "O1\nG98 G21\nM03 S800\nG00 X40. Z2.\nG01 Z-20. F300.\nG99 G01 X50. "
+                                       "F0.2\nG00 Z10.\nG92 X39. Z-15. F1.5\nM30\n";
+    ControllerOptions options;  // none given: the drives of the machine file
+    options.now_ms = [] { return std::int64_t{0}; };
+    Bench bench(profile, std::move(options));
+    bench.load(program);
+    ASSERT_TRUE(bench.start());
+    ASSERT_TRUE(bench.until_state(State::idle, 600)) << profile;
+    const double taken_s = static_cast<double>(bench.periods) * bench.controller.machine().period_us * 1e-6;
+    const RunEstimate predicted = operation::estimate(bench.controller.machine(), {}, text(program), nullptr);
+    EXPECT_TRUE(predicted.complete) << profile;
+    EXPECT_NEAR(predicted.time_s, taken_s, 0.003) << profile;
+  }
+}
+
 TEST(Estimate, SaysWhichAlarmWouldStopIt) {
   auto machine = *machine::default_machine("fanuc-0i-m");
   machine.axes[0].max_mm = 50;
