@@ -244,7 +244,7 @@ bool dwell(Executor& ex) {
   auto& pause = ex.emit<interp::Dwell>();
   pause.at = ex.at;
   pause.modal = ex.modal;
-  ex.hold_look_ahead();  // L5382
+  if (ex.cycle.watch == nullptr) ex.hold_look_ahead();  // L5382; a profile is read to its end at once
   for (const char letter : {'X', 'U', 'P'}) {
     if (!b.has(letter)) continue;
     const program::Word& word = b[letter];

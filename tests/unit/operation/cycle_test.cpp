@@ -213,5 +213,17 @@ TEST(Cycle, AnAlarmOfTheProgramLetsTheMotionBeforeItFinish) {
   EXPECT_TRUE(bench.all<PartCounted>().empty());
 }
 
+// G04 ends the look-ahead of the K2000TC (L5382), but a profile is read whole before it is roughed.
+TEST(Cycle, AProfileMayDwell) {
+  Bench bench("k2000tc");
+  bench.load(
+      "O1\nG98 G00 X50. Z2.\nG71 U2. R1.\nG71 P10 Q20 U0.5 W0.2 F200.\nN10 G00 X20.\nG01 Z-20. F100.\nG04 "
+      "P100\n"
+      "X40. Z-30.\nN20 X50.\nG70 P10 Q20\nM30\n");
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until([&] { return bench.state() != State::running; }));
+  EXPECT_EQ(bench.state(), State::idle);
+}
+
 }  // namespace
 }  // namespace headstock::operation

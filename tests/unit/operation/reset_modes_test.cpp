@@ -130,6 +130,29 @@ TEST(ResetModes, TheStartPointOfThe200TIsThatOfTheLastBlock) {
   EXPECT_NEAR(bench.controller.live().absolute[1], 20, 1e-9);
 }
 
+double offset_of_x(Bench& bench) {
+  double value = 0;
+  EXPECT_TRUE(bench.controller
+                  .edit_data(
+                      [&](interp::MachineData& data) {
+                        if (data.tools.size() > 1) value = data.tools[1].geometry[0];
+                      },
+                      {}, "test")
+                  .accepted);
+  return value;
+}
+
+// G10 adds to the page: read twice, once before a RESET, it would add twice.
+TEST(ResetModes, AnOffsetOfThe200TIsWrittenWhenItsBlockRuns) {
+  Bench bench("lathe-200t");
+  bench.load("T0101\nG98 G01 X40. F600\nG10 P1 U1\nG01 X44.\nM02\n");
+  reset_in_motion(bench, 5);
+  EXPECT_EQ(offset_of_x(bench), 0);
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until_state(State::idle));
+  EXPECT_NEAR(offset_of_x(bench), 1, 1e-9);
+}
+
 // K2000TC #4112: the M code before.
 TEST(ResetModes, TheLastMOfTheK2000TCIsThatOfTheLastBlock) {
   Bench bench("k2000tc");
