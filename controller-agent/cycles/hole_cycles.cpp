@@ -48,7 +48,8 @@ bool take_levels(Executor& ex, const Rules& rules, char name) {
   const std::size_t axis = words.axis;
   constexpr std::string_view kSteps = "XUYVZWCH";
   const std::size_t place = kSteps.find(name);
-  const char step = rules.holes == HoleFamily::mill || place == kSteps.npos || place % 2 != 0 ? '\0' : kSteps[place + 1];
+  const char step =
+      rules.holes == HoleFamily::mill || place == kSteps.npos || place % 2 != 0 ? '\0' : kSteps[place + 1];
   const bool by_letter =
       step != 0 && b.has(step) && (ex.incremental_letters & program::letter_bit(step)) != 0;
   if (b.has('R')) {
@@ -193,9 +194,10 @@ bool hole_cycle(Executor& ex) {
     target.step[i] =
         static_cast<double>(ex.round_to(ex.nano(b.word[letter], ex.axes[i].increment), ex.axes[i].increment));
   }
-  for (const char letter : {'I', 'J'}) {  // small-hole pecking, shifts by I and J
-    if (rules.holes == HoleFamily::mill && b.has(letter))
-      return fail(ex, rules, Fault::unfinished, letter, std::string(code->name) + ' ' + letter);
+  const bool small = ex.cycle.small_holes && code->tenths == 830;
+  for (const char letter : {'I', 'J'}) {  // I: the travel feed of small-hole pecking
+    if (rules.holes == HoleFamily::mill && b.has(letter) && !(small && letter == 'I'))
+      return fail(ex, rules, Fault::value, letter);
   }
   const std::int64_t times = repeats(ex, rules);
   if (times < 0) return false;
@@ -269,6 +271,10 @@ bool hole_cycle(Executor& ex) {
   if (count == 1) plane[1] = *axis;
   if (count == 0) plane = {*axis, *axis};
   job.hole = hole;
+  if (small) {
+    job.small = small_hole_job(ex, hole);
+    if (!job.small) return false;
+  }
   start_holes(ex, code->name, job);
   return true;
 }
@@ -276,7 +282,7 @@ bool hole_cycle(Executor& ex) {
 // G80.
 bool hole_cancel(Executor& ex) {
   ex.cycle.hole = {};
-  ex.cycle.rigid_next = false;
+  ex.cycle.rigid_next = ex.cycle.small_holes = false;
   ex.cycle.rigid_tap_axis = -1;
   return true;
 }

@@ -3,6 +3,9 @@
 #include <bit>
 #include <cmath>
 #include <memory>
+#include <utility>
+
+#include "cycles/rules.hpp"
 
 namespace headstock::cycles {
 namespace {
@@ -13,6 +16,7 @@ class HoleRun final : public interp::MoveSource {
  public:
   HoleRun(const Executor& ex, const HoleJob& job)
       : hole_(job.hole),
+        small_(job.small),
         axis_(job.axis),
         plane_(job.plane),
         target_(job.target),
@@ -36,13 +40,15 @@ class HoleRun final : public interp::MoveSource {
           part_ends(ex);
           at_reference_ = false;
           center_ = {ex.slide_mm(plane_[0]), ex.slide_mm(plane_[1])};
-          moves_ = drill(hole_);
+          if (small_) count_retractions(ex, 0, 0);
+          moves_ = small_ ? small_hole(*small_, &overload_) : drill(hole_);
           if (clamp_m_ != 0) {
             m_code(ex, clamp_m_);
             return true;
           }
           break;
         case Stage::drill: {
+          overload_ = {ex.skip.triggered, ex.slide_mm(axis_)};
           HoleMove move;
           if (!moves_.next(move)) {
             stage_ = Stage::position;
@@ -83,6 +89,16 @@ class HoleRun final : public interp::MoveSource {
     rapid(ex, target_.axes);
     return true;
   }
+  // No.5170, No.5171: the common variables that count retractions and those for the overload signal.
+  void count_retractions(Executor& ex, int all, int overloads) {
+    retractions_ = all;
+    overloads_ = overloads;
+    for (const auto& [parameter, count] : {std::pair{"5170", all}, std::pair{"5171", overloads}}) {
+      const double number = ex.data.parameter(parameter);
+      if (ex.macros != nullptr && number >= 100 && number <= 149)
+        (void)ex.macros->variables.write(static_cast<std::uint32_t>(number), count);
+    }
+  }
   void rapid(Executor& ex, std::uint32_t axes) {
     auto& motion = ex.emit<interp::Rapid>();
     ex.fill_motion(motion, axes);
@@ -104,6 +120,16 @@ class HoleRun final : public interp::MoveSource {
     ex.spindle_direction = direction;
     ex.emit_spindle();
   }
+  // The skip input is the arbor's overload signal; override holds as in any cut.
+  static void senses(Executor& ex, interp::Feed& motion) {
+    const auto& rules = ex.dialect.modes;
+    motion.skip_signals = ex.data.bit(rules.skip_off_parameter) ? 0 : 1;
+    motion.skip_level = !ex.data.bit(rules.skip_low_parameter);
+    motion.skip_overridable = true;
+    motion.exact_stop = true;
+    ex.skip.machine = ex.machine_now;
+    ex.skip.triggered = false;
+  }
   static void set(Executor& ex, std::size_t axis, double slide) {
     ex.axes[axis].position = std::llround(slide / ex.axes[axis].mm_per_unit * 1e9);
   }
@@ -122,8 +148,14 @@ class HoleRun final : public interp::MoveSource {
         } else {
           auto& motion = ex.emit<interp::Feed>();
           ex.fill_motion(motion, mask);
-          motion.feed = feed_ * move.feed_ratio;
-          motion.unit = unit_;
+          const bool own = move.feed_mm_min > 0;
+          motion.feed = own ? move.feed_mm_min : feed_ * move.feed_ratio;
+          motion.unit = own ? interp::FeedUnit::mm_per_minute : unit_;
+          if (move.senses) senses(ex, motion);
+        }
+        if (move.retracts) {
+          count_retractions(ex, retractions_ + 1, overloads_ + (move.overloaded ? 1 : 0));
+          at_reference_ = false;  // single block stops behind each retraction
         }
         return true;
       }
@@ -154,6 +186,16 @@ class HoleRun final : public interp::MoveSource {
         rapid(ex, moved);
         return true;
       }
+      case Kind::speed: {
+        if (hole_.driven_m != 0 || !hole_.main_turns) return false;
+        const double programmed = std::exchange(ex.rpm, ex.rpm * move.speed_ratio);
+        ex.emit_spindle();
+        ex.rpm = programmed;
+        return true;
+      }
+      case Kind::refused:
+        (void)fail(ex, rules_of(ex.dialect), Fault::hole_peck, 0, "overload signal stays on");
+        return true;
       case Kind::operator_stop: {
         auto& stop = ex.emit<interp::Stop>();
         stop.at = ex.at;
@@ -182,6 +224,9 @@ class HoleRun final : public interp::MoveSource {
   }
 
   Hole hole_;
+  std::optional<SmallHole> small_;
+  Overload overload_;
+  int retractions_ = 0, overloads_ = 0;
   std::size_t axis_;
   std::array<std::size_t, 2> plane_;
   Target target_;

@@ -4,8 +4,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "cycles/holes.hpp"
+#include "cycles/small_holes.hpp"
 #include "interpreter/executor.hpp"
 
 namespace headstock::cycles {
@@ -18,6 +20,7 @@ struct Target {
 
 struct HoleJob {
   Hole hole;
+  std::optional<SmallHole> small;      ///< instead of `hole`
   std::size_t axis = 0;                ///< drilling axis
   std::array<std::size_t, 2> plane{};  ///< the two axes that a shift may use; `axis` where there is none
   Target target;

@@ -60,13 +60,20 @@ struct HoleMove {
     orient,
     shift,
     tap,
-    operator_stop
+    speed,  ///< of the spindle, against S
+    operator_stop,
+    refused  ///< the overload signal does not go away: an alarm
   } kind = Kind::rapid;
-  double to = 0;          ///< along the drilling axis; of a tap: where it comes out to
-  double bottom = 0;      ///< of a tap
-  double seconds = 0;     ///< of a dwell, of a tap's bottom
-  double feed_ratio = 1;  ///< of a feed, against F
-  double u = 0, v = 0;    ///< of a shift: from the hole's centre, slide mm
+  double to = 0;            ///< along the drilling axis; of a tap: where it comes out to
+  double bottom = 0;        ///< of a tap
+  double seconds = 0;       ///< of a dwell, of a tap's bottom
+  double feed_ratio = 1;    ///< of a feed, against F
+  double feed_mm_min = 0;   ///< of a feed that has its own; 0: F
+  double speed_ratio = 1;   ///< of a speed
+  bool senses = false;      ///< of a feed: the overload signal ends it (small holes)
+  bool retracts = false;    ///< of a feed: out of a small hole, to be counted
+  bool overloaded = false;  ///< … for the overload signal
+  double u = 0, v = 0;      ///< of a shift: from the hole's centre, slide mm
   interp::SpindleDirection direction =
       interp::SpindleDirection::stop;  ///< of a spindle command; of a tap: inward
 };

@@ -106,23 +106,22 @@ bool go_to(Executor& ex, Place place) {
   return frame.reader->seek(place.offset, place.line);
 }
 
-// Looks for a block by its N from a place on. @return nothing when the text ends before.
+// Looks for a block by its N from a place on, as a jump does: nothing else of a block is read, its variables may have
+// no value yet. @return nothing when the text ends before.
 std::optional<Place> find_sequence(Executor& ex, Place from, std::uint32_t sequence) {
   if (!go_to(ex, from)) return std::nullopt;
   interp::Frame& frame = ex.frames.back();
   program::Line line;
-  program::Block block;
   while (frame.reader->next(line) == program::LineStatus::line) {
     const char* at = line.text.data();
     const char* end = at + line.text.size();
     while (at != nullptr) {
-      const program::LexResult read = program::lex_block(line.text, at, ex.lex_rules, block);
+      const program::BlockHead head = program::read_head(line.text, at, ex.lex_rules);
       const Place here{line.byte_offset + static_cast<std::uint64_t>(at - line.text.data()), line.number};
-      if (read.status == program::LexStatus::record_end && here.offset > from.offset) return std::nullopt;
-      if (block.has_number && block.number != frame.number && here.offset > 0 && from.offset > 0)
-        return std::nullopt;
-      if (block.has_sequence && block.sequence == sequence) return here;
-      at = read.rest == end ? nullptr : read.rest;
+      if (head.record_end && here.offset > from.offset) return std::nullopt;
+      if (head.has_number && head.number != frame.number && here.offset > 0 && from.offset > 0) return std::nullopt;
+      if (head.has_sequence && head.sequence == sequence) return here;
+      at = head.rest == end ? nullptr : head.rest;
     }
   }
   return std::nullopt;

@@ -125,7 +125,7 @@ Rules gsk_2000tc() {
               {F::peck_step, "144"},
               {F::tap_lead, "020"},
               {F::last_open, "066"},
-              {F::unfinished, "010"}});
+              {F::tap_word, "010"}});
   r.parameters = {.depth = "P051",
                   .retract = "P052",
                   .relief_across = "P053",
@@ -201,7 +201,7 @@ Rules gsk_218t() {
               {F::thread_depths, "051"},
               {F::thread_angle, "050"},
               {F::thread_in_vain, "144"},
-              {F::unfinished, "010"}});
+              {F::tap_word, "010"}});
   r.parameters.depth = "P071";
   r.parameters.retract = "P072";
   r.parameters.relief_across = "P073";
@@ -259,8 +259,7 @@ Rules k2000tc() {
               {F::hole_k, "PS0195"},
               {F::rigid_speed, "PS0011"},
               {F::rigid_feed, "PS0011"},
-              {F::rigid_distance, "PS0187"},
-              {F::unfinished, "PS1205"}});
+              {F::rigid_distance, "PS0187"}});
   r.parameters = {.depth = "P3312",
                   .retract = "P3313",
                   .relief_across = "P3314",
@@ -328,6 +327,8 @@ Rules fanuc_m() {
   Rules r = fanuc_t();
   r.profile = "fanuc-0i-m";
   r.holes = HoleFamily::mill;
+  for (const Fault lathe_only : {F::value, F::hole_depth})  // PS0062 is none of the M series
+    r.alarms[static_cast<std::size_t>(lathe_only)] = "PS0010";
   r.r_from_initial = false;
   return r;
 }

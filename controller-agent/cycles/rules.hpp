@@ -65,7 +65,7 @@ enum class Fault : std::uint8_t {
   rigid_program,
   rigid_move,
   rigid_distance,
-  unfinished,  ///< a word this version does not carry out
+  tap_word,  ///< L, P or Q in a tapping block: none of its words
   count_
 };
 
@@ -80,9 +80,9 @@ struct Parameters {
   std::string_view finish_passes, tip_angle, least_depth, finish_allowance;  ///< G76
   std::string_view thread_start, thread_method;                              ///< G76 E s n
   std::string_view thread_arc_in{}, thread_arc_out{};  ///< G76 NB NE: factors on the arcs' width
-  std::string_view tolerance_along, tolerance_across;                        ///< of the monotonic check [mm]
-  std::string_view no_contour_1, no_contour_2;  ///< bits: no contour pass, type I and II
-  std::string_view peck_clearance, peck_back;   ///< G83 (return to R), G73 (high speed) [mm]
+  std::string_view tolerance_along, tolerance_across;  ///< of the monotonic check [mm]
+  std::string_view no_contour_1, no_contour_2;         ///< bits: no contour pass, type I and II
+  std::string_view peck_clearance, peck_back;          ///< G83 (return to R), G73 (high speed) [mm]
 };
 
 /// Where single block stops inside a cycle.

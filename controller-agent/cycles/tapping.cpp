@@ -34,9 +34,10 @@ bool tapping(Executor& ex) {
   if (b.has('F')) ex.lead_mm = b['F'].value() * ex.unit_mm;
   if (b.has('I')) ex.lead_mm = b['I'].value() > 0 ? 25.4 / b['I'].value() : 0;
   if (!(ex.lead_mm > 0)) return fail(ex, rules, Fault::tap_lead, 'F');
+  // No words of a tap (2000TC L4286, 218T L1265 without starts): a tap cuts all its starts at once.
   for (const char letter : {'L', 'Q', 'P'}) {
     if (b.has(letter) && b[letter].value() != 0 && !(letter == 'L' && b['L'].value() == 1))
-      return fail(ex, rules, Fault::unfinished, letter, std::string("tapping ") + letter);
+      return fail(ex, rules, Fault::tap_word, letter);
   }
   Hole hole;
   hole.kind = {HoleIn::once, HoleBottom::nothing, HoleOut::feed, HoleTap::right};
@@ -65,7 +66,7 @@ bool tapping(Executor& ex) {
                       : ex.code->tenths == 930 ? "G93"
                       : name == 'X'            ? "G88"
                                                : "G84";
-  start_holes(ex, cycle, {.hole = hole, .axis = *axis, .plane = {*axis, *axis}, .target = {}});
+  start_holes(ex, cycle, {.hole = hole, .small = {}, .axis = *axis, .plane = {*axis, *axis}, .target = {}});
   return true;
 }
 

@@ -82,6 +82,7 @@ bool take_thread_words(Executor& ex, const Rules& rules, const PlaneAxes& axes, 
   const double along_v = std::fabs(job.taper);
   const double longer = std::max(along_u, along_v);
   job.lead_mm = ex.lead_mm;
+  ex.cycle.retreat_ratio = 1;
   if (ex.dialect.threads.lead_along_path && longer > 0) {
     job.lead_mm = ex.lead_mm * longer / std::hypot(along_u, along_v);
   }
@@ -105,7 +106,7 @@ bool take_thread_words(Executor& ex, const Rules& rules, const PlaneAxes& axes, 
   switch (rules.runout_form) {
     case RunoutForm::parameter: {
       for (const char letter : {'J', 'K'}) {
-        if (b.has(letter)) return fail(ex, rules, Fault::unfinished, letter, std::string("thread ") + letter);
+        if (b.has(letter)) return fail(ex, rules, Fault::value, letter);
       }
       const double amount =
           ex.data.parameter(rules.parameters.runout, rules.runout_default) * 0.1 * ex.lead_mm;
@@ -128,8 +129,7 @@ bool take_thread_words(Executor& ex, const Rules& rules, const PlaneAxes& axes, 
       const char written = b.has('J') ? 'J' : 'K';
       if (j <= 0 || k <= 0 || j < kLeastRatio * k || j > kMostRatio * k)
         return fail(ex, rules, Fault::value, written, "J K");
-      // One is the machine's own acceleration; others are not carried out.
-      if (std::fabs(j - k) > 1e-9) return fail(ex, rules, Fault::unfinished, written, "J K");
+      ex.cycle.retreat_ratio = j / k;
       double& tenths_kept = ex.cycle.runout_tenths;
       if (use == ThreadUse::single && b.has('P')) tenths_kept = b['P'].value();
       const double tenths = tenths_kept >= 0 ? tenths_kept : rules.runout_default;

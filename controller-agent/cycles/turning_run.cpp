@@ -47,11 +47,13 @@ class TurningRun final : public interp::MoveSource {
     const bool moves = ex.shown(axes_.u) != before[axes_.u] || ex.shown(axes_.v) != before[axes_.v];
     const std::uint32_t mask = (move.along_u ? 1u << axes_.u : 0) | (move.along_v ? 1u << axes_.v : 0);
     if (!moves && move.kind != MoveKind::arc) return false;
+    leaves_thread_ = std::exchange(on_thread_, move.kind == MoveKind::thread);
     switch (move.kind) {
       case MoveKind::rapid: {
         auto& motion = ex.emit<interp::Rapid>();
         ex.fill_motion(motion, mask);
         motion.linear = ex.linear_rapid;
+        if (leaves_thread_) motion.retreat_ratio = ex.cycle.retreat_ratio;
         break;
       }
       case MoveKind::feed: {
@@ -97,6 +99,7 @@ class TurningRun final : public interp::MoveSource {
   Moves moves_;
   Stops stops_;
   bool part_ended_ = false;
+  bool on_thread_ = false, leaves_thread_ = false;  // the last move was a thread; this one comes from it
   double feed_;
   interp::FeedUnit unit_;
 };

@@ -196,6 +196,8 @@ struct Dialect {
   LookAheadRules look_ahead;
   InterruptionRules interruption;
   std::string_view part_count_m_parameter;  ///< M code that counts a part ("6710")
+  std::string_view small_hole_parameter;    ///< bit: G83 can be small-hole pecking ("8132#4")
+  std::string_view small_hole_m_parameter;  ///< … behind this M code ("5163")
   std::string_view rigid_m_parameter;       ///< M code of rigid tapping beside M29 ("5210")
   ToolOffsetRules tool_offsets;
   MeasureRules measure;

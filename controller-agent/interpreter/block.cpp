@@ -325,6 +325,7 @@ bool Executor::run_m_codes(bool after_motion) {
         break;
       case MAction::machine:
         cycle.rigid_next = cycle.rigid_next || number == rigid_m;
+        cycle.small_holes = cycle.small_holes || number == small_hole_m;
         break;
       case MAction::machine_after:
         is_after = true;

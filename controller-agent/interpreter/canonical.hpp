@@ -80,6 +80,8 @@ struct Rapid : Motion {
   bool linear = false;  ///< interpolated rapid (LRP): all axes arrive together on a straight line
   bool machine_coordinates = false;  ///< G53, G28 and the like
   bool overlap = false;              ///< G53 P1: the next rapid may begin before this one stands still
+  /// Away from a thread: the share of the acceleration that the parameters give such a move (K2000TC G76, G92 J/K), > 0.
+  double retreat_ratio = 1;
 };
 
 /// G01.

@@ -58,6 +58,7 @@ struct HoleWords {
   double shift[2] = {0, 0};  ///< I and J of G76/G87 where they replace Q [mm]
   bool rigid = false;        ///< M29 was commanded for this tapping
   double lead_mm = 0;        ///< lead of a tap given by F or I; 0: from the feed
+  double travel_mm_min = 0;  ///< I of small-hole pecking; 0: not given
 };
 
 /// The last complete thread, for the controls that can repeat one.
@@ -77,6 +78,8 @@ struct CycleState {
   HoleWords hole;
   const dialects::GCode* hole_ended = nullptr;  ///< the mode that this block's codes end
   LastThread last_thread;
+  double retreat_ratio = 1;  ///< J/K of the thread cycle being made (K2000TC)
+  bool small_holes = false;  ///< 0i-M: G83 is small-hole pecking, until G80 or RESET
   std::int32_t clamp_m =
       0;  ///< M code that clamps the rotary axis inside hole cycles, the next number frees it; 0: none
   double runout_tenths =
@@ -104,7 +107,7 @@ struct CycleState {
     name = nullptr;
     box = {};
     hole = {};
-    rigid_next = starts_cycle = false;
+    rigid_next = starts_cycle = small_holes = false;
     rigid_tap_axis = -1;
     profile.valid = false;
   }

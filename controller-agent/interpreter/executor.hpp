@@ -411,6 +411,7 @@ struct Executor {
   LookAhead look_ahead;
   std::int32_t part_count_m = -1;  ///< Dialect::part_count_m_parameter; -1: none
   std::int32_t rigid_m = -1;       ///< Dialect::rigid_m_parameter
+  std::int32_t small_hole_m = -1;  ///< Dialect::small_hole_m_parameter, where the machine has it
   SurfaceMode surface;
   SurfacePath surface_path;
   ModalSnapshot shown_modal;  ///< see modal_on_machine

@@ -30,6 +30,7 @@ void Executor::read_look_ahead_parameters() {
   };
   part_count_m = m_code(dialect.part_count_m_parameter);
   rigid_m = m_code(dialect.rigid_m_parameter);
+  small_hole_m = data.bit(dialect.small_hole_parameter) ? m_code(dialect.small_hole_m_parameter) : -1;
 }
 
 }  // namespace headstock::interp

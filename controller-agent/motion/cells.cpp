@@ -16,7 +16,7 @@ constexpr double kVelocity = 0.9995, kAcceleration = 0.995, kJerk = 0.96;
 constexpr double kBendShare = 0.99;  // of the acceleration for curvature at the highest speed
 // Of the jerk for twist at the highest speed. The rest is left for acceleration: with stiff axes that is what
 // time is lost by, with soft ones the highest speed is reached almost everywhere.
-constexpr double kTwistShare = 0.5, kSoftTwistShare = 0.7;
+constexpr double kTwistShare = 0.45, kSoftTwistShare = 0.7;
 constexpr int kJerkPoints = 2;  // speeds the jerk limit is looked at
 // Smoothing time: twice acceleration / jerk lets a straight line use its whole acceleration, once of it blurs
 // half as much. The longer one pays as long as it is short beside the waves of a path.

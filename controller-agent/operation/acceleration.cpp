@@ -144,6 +144,16 @@ AccelerationRules AccelerationRules::read(const machine::Machine& machine, const
   reader.each([&](const AccelerationRow& row, Kind& kind, std::size_t axis, double value) {
     reader.take(row, kind, axis, value);
   });
+  // Without an acceleration of its own a retreat is a positioning; a ratio then counts from the machine's.
+  const Kind& positioning = rules.kinds_[static_cast<std::size_t>(MotionKind::rapid)];
+  Kind& back = rules.kinds_[static_cast<std::size_t>(MotionKind::retreat)];
+  if (!(back.up.along > 0)) {
+    back = positioning;
+    for (std::size_t i = 0; i < machine.axes.size(); ++i) {
+      for (Limit* limit : {&back.up, &back.down}) lower(limit->axis[i], machine.axes[i].max_acceleration_mm_s2);
+    }
+  }
+  back.shape = positioning.shape;
   reader.number_shapes();
   for (const AccelerationGap& gap : acceleration_gaps())
     if (machine.profile.starts_with(gap.profile) && data.bit(gap.parameter))
@@ -164,15 +174,15 @@ double AccelerationRules::allowed(const Limit& limit, const motion::Curve& curve
   return most;
 }
 
-void AccelerationRules::apply(const motion::Curve& curve, motion::Move& move, MotionKind kind,
-                              double rpm) const {
+void AccelerationRules::apply(const motion::Curve& curve, motion::Move& move, MotionKind kind, double rpm,
+                              double ratio) const {
   double feed_mm_s = 0;
   if (const auto* feed = std::get_if<motion::PathFeed>(&move.feed)) feed_mm_s = feed->mm_s;
   if (const auto* feed = std::get_if<motion::RevolutionFeed>(&move.feed)) feed_mm_s = feed->mm_rev * rpm / 60;
   if (const auto* cut = std::get_if<motion::ThreadFeed>(&move.feed)) feed_mm_s = cut->lead_mm * rpm / 60;
   const Kind& limits = kinds_[static_cast<std::size_t>(kind)];
-  move.speed_up_mm_s2 = allowed(limits.up, curve, feed_mm_s);
-  move.slow_down_mm_s2 = allowed(limits.down, curve, feed_mm_s);
+  move.speed_up_mm_s2 = allowed(limits.up, curve, feed_mm_s) * ratio;
+  move.slow_down_mm_s2 = allowed(limits.down, curve, feed_mm_s) * ratio;
   move.shape = limits.number;
 }
 

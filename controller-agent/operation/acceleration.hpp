@@ -29,7 +29,8 @@ class AccelerationRules {
 
   /// Sets Move::speed_up_mm_s2, slow_down_mm_s2 and shape.
   /// @param rpm that a feed per revolution and a thread are taken at
-  void apply(const motion::Curve& curve, motion::Move& move, MotionKind kind, double rpm) const;
+  /// @param ratio of the acceleration of a retreat (K2000TC J/K)
+  void apply(const motion::Curve& curve, motion::Move& move, MotionKind kind, double rpm, double ratio = 1) const;
   /// What Move::shape is about: for the kernel, before its next start.
   const motion::Kernel::Shapes& shapes() const { return shapes_; }
 

@@ -86,6 +86,7 @@ constexpr AccelerationRow kRows[] = {
     {"k2000tc", cutting, down, "P6431", 0, mean},
     {"k2000tc", thread, up, "P6480", 0, mean},
     {"k2000tc", thread, down, "P6481", 0, mean},
+    {"k2000tc", retreat, both, "P6483", 0, mean},  // L3961; of it J/K (L12834)
     // 200T/300T: time from standing to the highest cutting feed, for every motion (L8016-L8055)
     {"lathe-200t", rapid, both, "AX2.1", 'X', time_to_highest},
     {"lathe-200t", rapid, both, "AX2.2", 'Z', time_to_highest},
@@ -128,8 +129,8 @@ constexpr std::array<Words, 11> kWords{{
     {"bell", kAfterWord, "ms"},
     {"exponential", kAfterWord, "ms (time constant)"},
 }};
-constexpr std::array<std::string_view, kMotionKinds> kNames{"rapid",  "cutting", "cutting, look-ahead",
-                                                            "thread", "jog",     "handle"};
+constexpr std::array<std::string_view, kMotionKinds> kNames{
+    "rapid", "cutting", "cutting, look-ahead", "thread", "away from a thread", "jog", "handle"};
 
 }  // namespace
 

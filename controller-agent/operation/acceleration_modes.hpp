@@ -10,9 +10,10 @@
 
 namespace headstock::operation {
 
-/// What a move's acceleration is chosen by.
-enum class MotionKind : std::uint8_t { rapid, cutting, cutting_ahead, thread, jog, handle };
-inline constexpr std::size_t kMotionKinds = 6, kProgramKinds = 4;  // those of programs come first
+/// What a move's acceleration is chosen by. `retreat`: a positioning away from a thread; a control that has nothing of its
+/// own for it goes as in any positioning.
+enum class MotionKind : std::uint8_t { rapid, cutting, cutting_ahead, thread, retreat, jog, handle };
+inline constexpr std::size_t kMotionKinds = 7, kProgramKinds = 5;  // those of programs come first
 
 /// What the value of a parameter means.
 enum class AccelerationUnit : std::uint8_t {

@@ -87,6 +87,7 @@ void MotionFeed::set_position(const AxisVector& position) {
   position_ = position;
   held_back_.reset();
   inner_corners_.reset();
+  after_thread_ = false;
   if (history_ != nullptr && position != position_before) history_->forget();
   last_tag_ = 0;
   tag_when_set_ = tags_.newest();
@@ -193,7 +194,9 @@ std::vector<motion::Move> MotionFeed::moves(const interp::Operation& operation) 
 std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operation,
                                                 std::uint64_t main_offset) {
   std::vector<motion::Move> parts = moves(operation);
-  const bool rapid = std::holds_alternative<interp::Rapid>(operation);
+  const auto* positioning = std::get_if<interp::Rapid>(&operation);
+  const bool rapid = positioning != nullptr;
+  const double away = rapid && after_thread_ ? positioning->retreat_ratio : 0;
   const interp::Motion& common = motion_of(operation);
   std::optional<axes::Overtravel> overtravel;
   std::uint64_t tag = 0;
@@ -208,7 +211,7 @@ std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operati
     }
     if (path_length(position_, move) <= kNoMove_mm) continue;
     limit_speed(move, !rapid);
-    limit_acceleration(move, common.modal);
+    limit_acceleration(move, common.modal, away);
     if (tag == 0) {
       if (held_back_) {
         if (rapid) held_back_->exact_stop = true;
@@ -243,18 +246,22 @@ std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operati
     held_start_ = position_;
     position_ = end_of(move);
     held_back_ = move;
+    after_thread_ = std::holds_alternative<motion::ThreadFeed>(move.feed);
   }
   return overtravel;
 }
 
-void MotionFeed::limit_acceleration(motion::Move& move, const interp::ModalSnapshot& modal) const {
+void MotionFeed::limit_acceleration(motion::Move& move, const interp::ModalSnapshot& modal,
+                                    double away) const {
   MotionKind kind = look_ahead_ ? MotionKind::cutting_ahead : MotionKind::cutting;
-  if (std::holds_alternative<motion::RapidFeed>(move.feed)) kind = MotionKind::rapid;
+  if (std::holds_alternative<motion::RapidFeed>(move.feed))
+    kind = away > 0 ? MotionKind::retreat : MotionKind::rapid;
   if (std::holds_alternative<motion::ThreadFeed>(move.feed)) kind = MotionKind::thread;
   // Under constant surface speed the speed is not known: the highest is the least limit.
   const bool surface = std::find(modal.g.begin(), modal.g.end(), kSurfaceSpeed) != modal.g.end();
   const double rpm = surface || !(modal.spindle_speed > 0) ? machine_.spindle.max_rpm : modal.spindle_speed;
-  rules_.accelerations.apply(motion::Curve::from(position_, move, machine_.axes.size()), move, kind, rpm);
+  rules_.accelerations.apply(motion::Curve::from(position_, move, machine_.axes.size()), move, kind, rpm,
+                             kind == MotionKind::retreat ? away : 1);
 }
 
 void MotionFeed::limit_speed(motion::Move& move, bool cutting) {

@@ -39,7 +39,9 @@ motion::Arc arc_geometry(const machine::Machine& machine, const interp::Arc& arc
 class MotionFeed {
  public:
   MotionFeed(const machine::Machine& machine, motion::Kernel& kernel, TagRing& tags)
-      : machine_(machine), kernel_(kernel), tags_(tags),
+      : machine_(machine),
+        kernel_(kernel),
+        tags_(tags),
         inner_corners_(machine.axes.size(), [this](const AxisVector& start, const motion::Move& move) {
           kernel_.push(move);
           if (history_ != nullptr) history_->record(start, move);
@@ -73,7 +75,8 @@ class MotionFeed {
   /// In which time the acceleration of a move rises and falls, by the parameters of the controller [s].
   double bell_s(const motion::Move& move) const { return rules_.accelerations.shapes()[move.shape].bell_s; }
   /// Its acceleration by the parameters of the controller.
-  void limit_acceleration(motion::Move& move, const interp::ModalSnapshot& modal) const;
+  /// @param away a positioning: from a thread, with this share of the acceleration; 0: not from a thread
+  void limit_acceleration(motion::Move& move, const interp::ModalSnapshot& modal, double away = 0) const;
   /// The moves of an operation: several for a positioning that is not interpolated (0i-D No. 1401#1 = 0),
   /// where every axis goes at its own rapid rate until it is there; otherwise one.
   std::vector<motion::Move> moves(const interp::Operation& operation) const;
@@ -121,6 +124,7 @@ class MotionFeed {
   CuttingSide held_side_;
   CornerOverride inner_corners_;
   bool look_ahead_ = false;
+  bool after_thread_ = false;  // the last move was one
   Retrace* history_ = nullptr;
   interp::SourcePosition held_block_;  // of held_back_
 };

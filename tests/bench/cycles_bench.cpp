@@ -1,7 +1,10 @@
 // What a canned cycle costs against the same number of plain blocks, in one run.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <ctime>
 #include <string>
 
 #include "dialects/dialect.hpp"
@@ -67,13 +70,13 @@ void BM_G71_1000_blocks(benchmark::State& state) {
 BENCHMARK(BM_G71_1000_blocks)->Unit(benchmark::kMillisecond);
 
 // A contour of lines and arcs; with G41 its cost is compared with the same contour without.
-std::string contour(bool compensated, std::size_t blocks) {
+std::string contour(bool compensated, std::size_t blocks, std::size_t arc_every = 5) {
   std::string text = compensated ? "O1\nG90 G94 G00 X-10. Y0\nG41 G01 X0 Y0 D1 F500\n"
                                  : "O1\nG90 G94 G00 X-10. Y0\nG01 X0 Y0 F500\n";
   char line[80];
   for (std::size_t i = 0; i < blocks; ++i) {
     const double x = 10.0 * static_cast<double>(i + 1), y = i % 2 == 0 ? 6 : 0;
-    if (i % 5 == 4) {
+    if (arc_every > 0 && i % arc_every == arc_every - 1) {
       std::snprintf(line, sizeof line, "G02 X%.3f Y%.3f R20.\nG01\n", x, y);
     } else {
       std::snprintf(line, sizeof line, "X%.3f Y%.3f\n", x, y);
@@ -99,6 +102,31 @@ void BM_contour_compensated(benchmark::State& state) {
 }
 BENCHMARK(BM_contour_plain)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_contour_compensated)->Unit(benchmark::kMillisecond);
+
+double cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// What compensation adds to the plain interpreter, as a share of it: below 1. Both by turns, the best of each, so
+// that what else the machine does counts for neither. Argument: every how many blocks an arc stands; 0: lines only.
+void BM_compensation_over_plain(benchmark::State& state) {
+  const auto arcs = static_cast<std::size_t>(state.range(0));
+  const std::array<std::string, 2> text{contour(false, 10'000, arcs), contour(true, 10'000, arcs)};
+  std::array<double, 2> best{1e9, 1e9};
+  std::size_t made = 1;
+  for (auto _ : state) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double begin = cpu_s();
+      made = std::min(made, run_mill(text[k]));
+      best[k] = std::min(best[k], cpu_s() - begin);
+    }
+  }
+  if (made == 0) state.SkipWithError("alarm");
+  state.counters["extra_over_plain"] = best[1] / best[0] - 1;
+}
+BENCHMARK(BM_compensation_over_plain)->Arg(0)->Arg(5)->Arg(2)->Iterations(30)->Unit(benchmark::kMillisecond);
 
 // The reference: as many plain blocks as the cycle reads and makes.
 void BM_plain_blocks(benchmark::State& state) {

@@ -68,6 +68,7 @@ Seen describe(const interp::Operation& operation, const machine::Machine& machin
         using T = std::decay_t<decltype(op)>;
         if constexpr (std::is_same_v<T, interp::Rapid>) {
           common("rapid", op);
+          seen.values["away"] = op.retreat_ratio;
         } else if constexpr (std::is_same_v<T, interp::Feed>) {
           common("feed", op);
           seen.values["input"] = op.skip_input;

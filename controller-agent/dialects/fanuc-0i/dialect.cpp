@@ -328,6 +328,8 @@ Dialect make_fanuc_0i_m() {
   d.set_alarm_code(R::setting_with_length, "PS5391");
   d.set_alarm_code(R::arc_negative_r, "PS0010");  // a T alarm: negative R is legal here
   d.kind = machine::Kind::mill;
+  d.small_hole_parameter = "8132#4";  // SPK
+  d.small_hole_m_parameter = "5163";
   d.modes.stroke_group = 4;
   d.modes.fine_feed_per_revolution_parameter = "1405#1";
   d.threads.q_parameter = "3451#0";
@@ -355,7 +357,7 @@ Dialect make_fanuc_0i_m() {
              .most_offsets = 400};
   d.tool_offsets.few_parameter = "8136#5";  // NDO
   d.tool_offsets.few = 32;
-  d.tool_offsets.single_parameter = "8136#6";  // NGW: memory A
+  d.tool_offsets.single_parameter = "8136#6";              // NGW: memory A
   d.tool_offsets.normal_axis_parameter = "5001#1";         // TLB
   d.tool_offsets.named_axis_parameter = "5001#0";          // TLC
   d.tool_offsets.several_axes_parameter = "5001#3";        // TAL

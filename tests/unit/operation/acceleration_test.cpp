@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "bench.hpp"
 #include "limits.hpp"
@@ -20,7 +21,9 @@ struct Greatest {
 };
 
 /// Every axis: 6,000 mm/min = 100 mm/s, rapid 12,000 mm/min = 200 mm/s, 2,000 mm/s², jerk not limited.
-Greatest greatest_of(const std::string& profile, const Parameters& parameters, const std::string& program) {
+/// @param counts when a period is looked at
+Greatest greatest_of(const std::string& profile, const Parameters& parameters, const std::string& program,
+                     const std::function<bool(const Controller&)>& counts = {}) {
   machine::Machine machine = *machine::default_machine(profile);
   for (machine::Axis& axis : machine.axes) {
     axis.max_feed_mm_min = 6'000;
@@ -39,6 +42,10 @@ Greatest greatest_of(const std::string& profile, const Parameters& parameters, c
   VirtualRun virtual_run(controller);
   EXPECT_EQ(virtual_run.run([&] {
     const double speed = controller.sample().path_speed_mm_s;
+    if (counts && !counts(controller)) {
+      before = speed;
+      return true;
+    }
     greatest.up = std::max(greatest.up, (speed - before) / 0.001);
     greatest.down = std::max(greatest.down, (before - speed) / 0.001);
     const double acceleration = (speed - before) / 0.001;
@@ -325,6 +332,33 @@ TEST(AccelerationOfThreads, CountsForTheRunIn) {
     if (slow) {
       EXPECT_EQ(bench.controller.live().alarms[0].code, "HS0004");
     }
+  }
+}
+
+// K2000TC L12834: the way out of a thread speeds up by P6483, G92's and G76's by J/K of it.
+TEST(AccelerationOfThreads, TheWayOutGoesByJAndK) {
+  struct WayOut {
+    const char* words;
+    double p6483, expected;
+  };
+  constexpr WayOut kWays[] = {{"", 60, 1000},         {" J1. K2.", 60, 500},
+                              {" J2. K1.", 30, 1000}, {" J4. K1.", 60, 2000},  // never above the machine's
+                              {" J1. K4.", 0, 500},                            // of the machine's own
+                              {"", 0, 2000}};
+  for (const WayOut& one : kWays) {
+    SCOPED_TRACE(std::string(one.words) + " P6483=" + std::to_string(one.p6483));
+    const std::string program =
+        "O1\nG98 G21 G97 S500 M03\nG92 U-40. W-30. F2." + std::string(one.words) + "\nM30\n";
+    double x = 0;
+    const Greatest out = greatest_of("k2000tc", {{"P0042", 3}, {"P6483", one.p6483}}, program,
+                                     [&](const Controller& controller) {
+                                       const double now = controller.sample().position[0];
+                                       const bool outward = now > x + 1e-9;
+                                       x = now;
+                                       return outward;
+                                     });
+    EXPECT_NEAR(out.up, one.expected, 0.03 * one.expected);
+    EXPECT_NEAR(out.down, one.expected, 0.03 * one.expected);
   }
 }
 
