@@ -8,7 +8,9 @@
 namespace headstock::serial {
 namespace {
 
-constexpr std::size_t kPiece = 4'096;
+constexpr std::size_t kPiece = 16'384;
+/// Read so far ahead that the end is known before it is handed over: more than the blank tape behind a program.
+constexpr std::size_t kAhead = 12'288;
 /// What a control can say while the last characters to it are on the wire: far less than this.
 constexpr std::size_t kMostEarly = 4'096;
 constexpr std::uint8_t kSevenBits = 0x7F;
@@ -32,6 +34,18 @@ class TextSource final : public Source {
 /// An end of block in ASCII, ISO or EIA.
 bool ends_block(char byte) {
   return byte == '\n' || static_cast<std::uint8_t>(byte) == 0x80;
+}
+
+/// Line ends and blank tape, in ASCII, ISO or EIA: nothing that a control reads behind the end mark.
+bool is_blank(char byte) {
+  const auto code = static_cast<std::uint8_t>(byte);
+  return code == 0 || code == '\n' || code == '\r' || code == 0x80 || code == 0x8D;
+}
+
+/// % in ASCII and ISO, ER in EIA.
+bool is_end_mark(char byte) {
+  const auto code = static_cast<std::uint8_t>(byte);
+  return (code & kSevenBits) == '%' || code == 0x0B;
 }
 
 }  // namespace
@@ -74,8 +88,16 @@ void Sender::decide(Time now) {
   // more, unless the device still has characters: then it is stopped like before.
   if (paused_) return enter(State::paused, now);
   if (!started_ || (rules_.obey_cts && !cts_ && counters_.bytes == 0)) return enter(State::waiting, now);
-  if (state_ == State::draining && ended_ && at_ == buffer_.size()) return;
-  enter(control_allows() ? State::sending : State::held, now);
+  if (control_allows() && state_ != State::draining) return enter(State::sending, now);
+  if (!nothing_left()) return enter(control_allows() ? State::sending : State::held, now);
+  at_ = buffer_.size();
+  enter(State::draining, now);
+}
+
+bool Sender::nothing_left() const {
+  if (!ended_ || !reason_.empty()) return false;
+  const auto rest = std::string_view(buffer_).substr(at_);
+  return rest.empty() || (end_mark_ && std::all_of(rest.begin(), rest.end(), is_blank));
 }
 
 void Sender::fail(std::string_view reason, Time now) {
@@ -134,14 +156,19 @@ void Sender::cancel(Time now, std::string_view reason) {
 }
 
 void Sender::refill() {
-  if (ended_ || at_ < buffer_.size()) return;
-  buffer_.resize(kPiece);
+  if (ended_ || buffer_.size() - at_ > kAhead) return;
+  buffer_.erase(0, at_);
   at_ = 0;
-  const auto result = source_->read({buffer_.data(), buffer_.size()});
-  buffer_.resize(result.status == Source::Status::data ? result.count : 0);
-  if (result.status == Source::Status::failed) reason_ = source_->reason();
-  if (result.status == Source::Status::end || result.status == Source::Status::failed) ended_ = true;
-  if (result.status == Source::Status::end) buffer_ = rules_.ending;
+  while (!ended_ && buffer_.size() < kPiece) {
+    const std::size_t had = buffer_.size();
+    buffer_.resize(kPiece);
+    const auto result = source_->read({buffer_.data() + had, kPiece - had});
+    buffer_.resize(had + (result.status == Source::Status::data ? result.count : 0));
+    if (result.status == Source::Status::wait) return;
+    ended_ = result.status != Source::Status::data;
+    if (result.status == Source::Status::failed) reason_ = source_->reason();
+    if (result.status == Source::Status::end) buffer_ += rules_.ending;
+  }
 }
 
 std::string_view Sender::peek(Time now, std::size_t device_queue) {
@@ -175,11 +202,14 @@ void Sender::wrote(std::size_t count, Time now) {
     if (now > idle_since) counters_.starved += now - idle_since;
   }
   pacer_.wrote(count, now);
-  for (std::size_t i = 0; i < count; ++i)
-    if (ends_block(buffer_[at_ + i])) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const char byte = buffer_[at_ + i];
+    if (!is_blank(byte)) end_mark_ = is_end_mark(byte);
+    if (ends_block(byte)) {
       ++counters_.blocks;
       if (rules_.block_delay > Duration::zero()) not_before_ = pacer_.empty_at() + rules_.block_delay;
     }
+  }
   counters_.bytes += count;
   at_ += count;
 }

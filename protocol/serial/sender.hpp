@@ -8,6 +8,8 @@
 // Done means: the last character has left the device, not that it was handed over. A disconnect ends it for
 // good: what a control has in its memory then nobody knows, so a person decides where to go on.
 //
+// A control that has read the % says DC3 and nothing more: behind it nothing is held back.
+//
 // DC1 and DC3 are taken with and without parity in bit 8 (FANUC sends 11 and 93). One thread.
 #pragma once
 
@@ -105,6 +107,8 @@ class Sender {
 
  private:
   void decide(Time now);
+  /// Everything has been handed over, or what is left no control reads.
+  bool nothing_left() const;
   void enter(State state, Time now);
   void fail(std::string_view reason, Time now);
   bool control_allows() const { return started_ && !stopped_ && (!rules_.obey_cts || cts_); }
@@ -118,7 +122,8 @@ class Sender {
   SendCounters counters_;
   std::string buffer_, early_;
   std::size_t at_ = 0;
-  bool ended_ = false;  ///< the source has nothing more
+  bool ended_ = false;     ///< the source has nothing more than buffer_
+  bool end_mark_ = false;  ///< the last character handed over was a %, but for line ends and blank tape
   bool started_, stopped_ = false, cts_ = true, paused_ = false;
   Time since_, not_before_{}, last_progress_;
 };

@@ -1,5 +1,6 @@
 // GSK 218T lathe control.
 #include "dialects/build.hpp"
+#include "dialects/gsk-218t/reference_return.hpp"
 #include "dialects/gsk/family.hpp"
 #include "dialects/gsk/h_codes.hpp"
 #include "dialects/gsk/language.hpp"
@@ -18,7 +19,7 @@ Dialect make_gsk_218t() {
                                      {AlarmReason::dwell_words, "168"}})
     d.set_alarm_code(reason, code);
   static constexpr OwnHandler kOwn[] = {{"h_code", Phase::action, gsk::run_h_code_218t},
-                                        {"reference_return_218t", Phase::action, gsk::reference_return_218t}};
+                                        {"reference_return_218t", Phase::action, gsk_218t::reference_return}};
   add_g_codes(d, tables::gcodes_gsk_218t, kOwn);
   // All other codes, M01 and M02 too (L805), are an alarm or call a sub-program.
   std::erase_if(d.m_rules, [](const MRule& rule) { return rule.code == 1 || rule.code == 2; });

@@ -23,7 +23,5 @@ std::unique_ptr<interp::OwnLanguage> make_language(const SpindleRules& rules);
 /// G12, G13 of 2000TC: the second stroke zone, corners in P116-P119.
 bool stroke_zone_on(interp::Executor& ex);
 bool stroke_zone_off(interp::Executor& ex);
-/// G28 of 218T, with the coordinates that it may set.
-bool reference_return_218t(interp::Executor& ex);
 
 }  // namespace headstock::dialects::gsk

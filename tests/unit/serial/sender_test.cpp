@@ -59,6 +59,62 @@ TEST(Sender, KeepsWhatTheControlSaysBehindTheLastBlock) {
   EXPECT_EQ(sender.counters().unexpected, 1u) << "what came while we sent is no punch";
 }
 
+// A control has read the % and says DC3 before we have looked whether there is more.
+TEST(Sender, ADc3RightBehindTheLastCharacterHoldsNothingBack) {
+  for (const std::size_t length : {3u, 4'096u, 16'384u, 20'000u}) {
+    auto rules = rules_for("dc1-dc4");
+    rules.window = 30'000;
+    Sender sender(rules, text_source(std::string(length, 'X')), at(0s));
+    sender.on_bytes("\x11", at(1s));
+    std::size_t sent = 0;
+    while (sent < length) {
+      const auto bytes = sender.peek(at(1s), 0);
+      ASSERT_FALSE(bytes.empty());
+      sent += bytes.size();
+      sender.wrote(bytes.size(), at(1s));
+    }
+    sender.on_bytes("\x13", at(1s));
+    sender.tick(at(60s), 0);
+    EXPECT_EQ(sender.state(), State::done) << length;
+  }
+}
+
+// What stands behind the % no control reads: line ends, blank tape.
+TEST(Sender, ADc3BehindTheEndMarkLeavesTheRestUnsent) {
+  const std::string program = "%\nO1\nM30\n%";
+  for (const std::string& rest : {std::string("\n"), std::string("\r\n"), "\n" + std::string(10'000, '\0')}) {
+    auto rules = rules_for("dc1-dc4");
+    rules.window = static_cast<std::uint32_t>(program.size());
+    Sender sender(rules, text_source(program + rest), at(0s));
+    sender.on_bytes("\x11", at(1s));
+    EXPECT_EQ(everything(sender, at(1s)), program);
+    sender.on_bytes("\x13", at(1s));
+    sender.tick(at(2s), 0);
+    EXPECT_EQ(sender.state(), State::done) << rest.size();
+    EXPECT_EQ(sender.counters().bytes, program.size());
+  }
+}
+
+// An end of block that the control has not got, and a second program behind the first, are not left out.
+TEST(Sender, ADc3BeforeTheEndMarkHoldsTheRestBack) {
+  for (const std::string text : {"O1\nM30\n", "%\nO1\nM30\n%\nO2\n%"}) {
+    for (const std::size_t window : {6u, 9u, 10u}) {
+      auto rules = rules_for("dc1-dc4");
+      rules.window = static_cast<std::uint32_t>(window);
+      Sender sender(rules, text_source(text), at(0s));
+      sender.on_bytes("\x11", at(1s));
+      std::string all = everything(sender, at(1s));
+      ASSERT_EQ(all.size(), std::min(window, text.size()));
+      if (all == text) continue;
+      sender.on_bytes("\x13", at(1s));
+      EXPECT_EQ(sender.state(), State::held) << text << window;
+      sender.on_bytes("\x11", at(2s));
+      for (int i = 3; all.size() < text.size() && i < 20; ++i) all += everything(sender, at(i * 1s));
+      EXPECT_EQ(all, text);
+    }
+  }
+}
+
 TEST(Sender, StopsOnDc3WithAndWithoutParityWithinItsQueue) {
   for (const char* stop : {"\x13", "\x93"}) {
     Sender sender(rules_for("dc1-dc4"), text_source(std::string(1'000, 'X')), at(0s));
