@@ -89,6 +89,7 @@ void Sender::decide(Time now) {
   if (paused_) return enter(State::paused, now);
   if (!started_ || (rules_.obey_cts && !cts_ && counters_.bytes == 0)) return enter(State::waiting, now);
   if (control_allows() && state_ != State::draining) return enter(State::sending, now);
+  refill();
   if (!nothing_left()) return enter(control_allows() ? State::sending : State::held, now);
   at_ = buffer_.size();
   enter(State::draining, now);
