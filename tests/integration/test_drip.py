@@ -76,8 +76,9 @@ class DripFeed(ShopTest):
         eventually(lambda: progress()["state"] == "done", "transfer done")
         self.assertEqual(proxy.cuts, CUTS)
         self.assertEqual(progress()["bytes"], total)
-        run = self.shop.admin.get(f"/machines/{agent.id}/runs")["items"][0]
-        self.assertEqual(run["outcome"], "completed")
+        # The record of the run comes over the link behind the count.
+        eventually(lambda: self.shop.admin.get(f"/machines/{agent.id}/runs")["items"][0]["outcome"], "the run's record is closed")
+        self.assertEqual(self.shop.admin.get(f"/machines/{agent.id}/runs")["items"][0]["outcome"], "completed")
         last["Z"] = 20.0
 
         def where_it_should_be():

@@ -28,8 +28,11 @@ class PathOfAPart(ShopTest):
 
         counted = self.shop.admin.get("/parts", machine=agent.id)["items"]
         self.assertEqual(len(counted), 1, counted)
-        runs = self.shop.admin.get(f"/machines/{agent.id}/runs")["items"]
-        self.assertEqual([run["outcome"] for run in runs], ["completed"])
+        def outcomes():
+            return [run["outcome"] for run in self.shop.admin.get(f"/machines/{agent.id}/runs")["items"]]
+
+        eventually(lambda: None not in outcomes(), "the run's record is closed")
+        self.assertEqual(outcomes(), ["completed"])
         self.assertEqual(agent.status()["parts"]["count"], 1)
 
     def test_lathe_mill_and_gsk_lathe_each_make_one_part(self):

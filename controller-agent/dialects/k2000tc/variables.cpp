@@ -117,6 +117,7 @@ Error Language::read_system(std::uint32_t number, Value& value) {
   }
   const std::size_t axis = number % 10 - 1;  // of #50x1…#50x8
   const bool is_axis = number >= 5'001 && number % 10 != 0 && number % 10 <= ex_.axes.size();
+  if (number == 5'000 || number == 5'010 || number == 5'040) return Error::no_variable;  // the axes begin at 1
   switch (is_axis ? number / 10 * 10 : number) {
     case 4'105:
       value = Value::of_double(ex_.modal.feed);
