@@ -29,7 +29,8 @@ if(HEADSTOCK_FUZZ)
 endif()
 
 # The headers that nearly every source of a kind reads, read once for all of them: headstock_common_headers(NAME LEVEL HEADER
-# [LIBRARY]) makes them for targets compiled with -O<LEVEL> that use LIBRARY. A source includes what it uses all the same: an ordinary build has none.
+# [LIBRARY]) makes them for targets compiled with -O<LEVEL> that use LIBRARY. A source includes what it uses all the same: an
+# ordinary build has none.
 function(headstock_common_headers name level header)
   if(HEADSTOCK_TOGETHER AND CMAKE_BUILD_TYPE STREQUAL "Release")
     file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/common_headers/${name}.cpp CONTENT "")
@@ -87,7 +88,8 @@ function(headstock_program name)
 endfunction()
 
 # headstock_test(NAME SOURCES … DEPENDS … LABELS … SECONDS n COMPUTES): a GoogleTest program, run whole by ctest (one case of it:
-# `NAME --gtest_filter=…`), those that take long by SECONDS first. What is tested is optimised; the tests themselves only where they compute (a reference, a search).
+# `NAME --gtest_filter=…`), those that take long by SECONDS first. What is tested is optimised; the tests
+# themselves only where they compute (a reference, a search).
 function(headstock_test name)
   cmake_parse_arguments(ARG "COMPUTES" "SECONDS" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})

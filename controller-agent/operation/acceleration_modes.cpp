@@ -103,7 +103,7 @@ constexpr AccelerationRow kRows[] = {
 // K2000TC: its manual names five curves (L4826) and six path smoothers (L5175-L5305), and gives neither the
 // numbers of the curves nor what a smoother of some order does.
 constexpr std::string_view kMeanOnly = "the mean acceleration, with the jerk of the machine file",
-                           kTolerance = "the tolerance of the machine file", kAsS = "S before interpolation";
+                           kTolerance = "the tolerance of the machine file";
 constexpr AccelerationGap kGaps[] = {
     {"k2000tc", "P6410", kMeanOnly},           {"k2000tc", "P6411", kMeanOnly},
     {"k2000tc", "P6412", kMeanOnly},           {"k2000tc", "P6413", kMeanOnly},
