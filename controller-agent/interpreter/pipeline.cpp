@@ -15,18 +15,6 @@ using comp::CornerFault;
 using comp::CornerShape;
 using comp::Point;
 
-Motion* motion_in(Operation& operation) {
-  return std::visit(
-      [](auto& op) -> Motion* {
-        if constexpr (std::is_base_of_v<Motion, std::decay_t<decltype(op)>>) {
-          return &op;
-        } else {
-          return nullptr;
-        }
-      },
-      operation);
-}
-
 Pipeline::Pipeline() = default;
 Pipeline::Pipeline(Pipeline&& other) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&& other) noexcept = default;
@@ -175,13 +163,11 @@ void Pipeline::take(Executor& ex) {
   ex.queue_head = 0;
   ex.out_used = false;
 
-  read_settings(ex);
+  mode_of(ex);
   bool moved = false;
-  CompensationMode mode;
-  if (!incoming_.empty()) mode = mode_of(ex);
   for (EntryPtr& entry : incoming_) {
     if (stopped_) break;
-    entry->mode = mode;
+    entry->mode = mode_;
     describe(ex, *entry);
     if (entry->motion) {
       entry->request = std::exchange(request_, CornerRequest{});

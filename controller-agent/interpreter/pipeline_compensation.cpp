@@ -41,34 +41,45 @@ void slow_inner_arc(const Executor& ex, Operation& operation, double programmed_
 
 }  // namespace
 
-CompensationMode Pipeline::mode_of(const Executor& ex) const {
-  CompensationMode mode;
-  mode.plane = ex.plane;
+// Blocks in a row have the same mode: what did not change is not written again, so that copies of it are not made of
+// what was only just written.
+const CompensationMode& Pipeline::mode_of(const Executor& ex) {
+  if (!settings_.read || settings_.version != ex.data.version) read_settings(ex);
+  const auto put = [](auto& into, const auto& value) {
+    if (into != value) into = value;
+  };
+  CompensationMode& mode = mode_;
+  put(mode.plane, ex.plane);
   const auto plane = ex.plane_axes();
-  mode.first = static_cast<std::uint8_t>(plane.first < 0 ? 0 : plane.first);
-  mode.second = static_cast<std::uint8_t>(plane.second < 0 ? 0 : plane.second);
-  if (side_ == 0 || no_compensation_) return mode;
+  put(mode.first, static_cast<std::uint8_t>(plane.first < 0 ? 0 : plane.first));
+  put(mode.second, static_cast<std::uint8_t>(plane.second < 0 ? 0 : plane.second));
   const auto& rules = ex.dialect.compensation;
+  const bool asked = side_ != 0 && !no_compensation_;
   const std::int64_t number = rules.by_d ? d_number : ex.modal.offset;
-  mode.again = again_;
-  mode.asked = true;
-  mode.wanted = number > 0;
-  if (!mode.wanted || number >= static_cast<std::int64_t>(ex.data.tools.size())) return mode;
-  const ToolOffset& tool = ex.data.tools[static_cast<std::size_t>(number)];
-  const Settings& set = read_settings(ex);
-  const double value = set.one_value ? tool_offset::length_value(ex, number) : tool.radius + tool.radius_wear;
-  // In a plane that is mirrored the tool is on the other side, as arcs turn the other way.
-  const int side = ex.transform.reverses(mode.first, mode.second) ? -side_ : side_;
-  mode.radius = side * (set.diameter ? value / 2 : value);
-  if (ex.dialect.tools.lathe && tool.tip > 0 && tool.tip < 9 &&
-      (rules.tips_in_all_planes || ex.plane == Plane::zx)) {
-    mode.tip = kTips[tool.tip] * std::fabs(mode.radius);
+  put(mode.asked, asked);
+  put(mode.again, asked && again_);
+  put(mode.wanted, asked && number > 0);
+  double radius = 0;
+  Point tip{};
+  if (mode.wanted && number < static_cast<std::int64_t>(ex.data.tools.size())) {
+    const ToolOffset& tool = ex.data.tools[static_cast<std::size_t>(number)];
+    const double value =
+        settings_.one_value ? tool_offset::length_value(ex, number) : tool.radius + tool.radius_wear;
+    // In a plane that is mirrored the tool is on the other side, as arcs turn the other way.
+    const bool reversed = ex.transform.active() && ex.transform.reverses(mode.first, mode.second);
+    radius = (reversed ? -side_ : side_) * (settings_.diameter ? value / 2 : value);
+    if (ex.dialect.tools.lathe && tool.tip > 0 && tool.tip < 9 &&
+        (rules.tips_in_all_planes || ex.plane == Plane::zx)) {
+      tip = kTips[tool.tip] * std::fabs(radius);
+    }
   }
+  put(mode.radius, radius);
+  put(mode.tip.u, tip.u);
+  put(mode.tip.v, tip.v);
   return mode;
 }
 
-const Pipeline::Settings& Pipeline::read_settings(const Executor& ex) const {
-  if (settings_.read && settings_.version == ex.data.version) return settings_;
+void Pipeline::read_settings(const Executor& ex) {
   const auto& rules = ex.dialect.compensation;
   const auto& data = ex.data;
   Settings s;
@@ -89,7 +100,6 @@ const Pipeline::Settings& Pipeline::read_settings(const Executor& ex) const {
   const double ahead = data.parameter(rules.read_ahead_parameter, kReadAhead);
   s.read_ahead = ahead >= 3 && ahead <= 8 ? static_cast<int>(ahead) : kReadAhead;
   settings_ = s;
-  return settings_;
 }
 
 void Pipeline::written(int side, bool same_as_before) {
