@@ -34,6 +34,8 @@ struct CornerRequest {
   int next_sign = 0;            ///< … in this direction; 0: any
   bool open = false;            ///< the end point is known with the next block (angle only)
   double angle_deg = 0;         ///< of an open line
+
+  bool asked() const { return open || shape != comp::CornerShape::none; }
 };
 
 /// The compensation in force when a block was read.
@@ -113,7 +115,7 @@ class Pipeline {
   };
 
   EntryPtr fresh();
-  void recycle(EntryPtr entry);
+  void recycle(EntryPtr&& entry);
   void describe(const Executor& ex, Entry& entry);
   // stage 1 (pipeline.cpp)
   void corners(Executor& ex, EntryPtr&& entry);
@@ -166,7 +168,17 @@ class Pipeline {
   Operation* caller_ = nullptr;  ///< where Executor::out pointed before open_intake()
 
   Settings settings_;
-  CompensationMode mode_;  ///< of the last block
+  CompensationMode mode_;  ///< of the last block, and what it was made of:
+  struct {
+    bool read = false;
+    Plane plane = Plane::xy;
+    int first = 0, second = 0;
+    int side = 0;
+    bool again = false;
+    std::int64_t number = 0;
+    double value = 0;
+    int tip = 0;
+  } mode_from_;
 
   // the block being taken
   CornerRequest request_;

@@ -41,42 +41,44 @@ void slow_inner_arc(const Executor& ex, Operation& operation, double programmed_
 
 }  // namespace
 
-// Blocks in a row have the same mode: what did not change is not written again, so that copies of it are not made of
-// what was only just written.
+// Blocks in a row have the same mode: it is made again only when something of what it is made of is another.
 const CompensationMode& Pipeline::mode_of(const Executor& ex) {
   if (!settings_.read || settings_.version != ex.data.version) read_settings(ex);
-  const auto put = [](auto& into, const auto& value) {
-    if (into != value) into = value;
-  };
-  CompensationMode& mode = mode_;
-  put(mode.plane, ex.plane);
-  const auto plane = ex.plane_axes();
-  put(mode.first, static_cast<std::uint8_t>(plane.first < 0 ? 0 : plane.first));
-  put(mode.second, static_cast<std::uint8_t>(plane.second < 0 ? 0 : plane.second));
   const auto& rules = ex.dialect.compensation;
-  const bool asked = side_ != 0 && !no_compensation_;
-  const std::int64_t number = rules.by_d ? d_number : ex.modal.offset;
-  put(mode.asked, asked);
-  put(mode.again, asked && again_);
-  put(mode.wanted, asked && number > 0);
-  double radius = 0;
-  Point tip{};
-  if (mode.wanted && number < static_cast<std::int64_t>(ex.data.tools.size())) {
+  const auto plane = ex.plane_axes();
+  const int side = no_compensation_ ? 0 : side_;
+  const std::int64_t number = side == 0 ? 0 : rules.by_d ? d_number : ex.modal.offset;
+  double value = 0;
+  int tip = 0;
+  if (number > 0 && number < static_cast<std::int64_t>(ex.data.tools.size())) {
     const ToolOffset& tool = ex.data.tools[static_cast<std::size_t>(number)];
-    const double value =
-        settings_.one_value ? tool_offset::length_value(ex, number) : tool.radius + tool.radius_wear;
-    // In a plane that is mirrored the tool is on the other side, as arcs turn the other way.
-    const bool reversed = ex.transform.active() && ex.transform.reverses(mode.first, mode.second);
-    radius = (reversed ? -side_ : side_) * (settings_.diameter ? value / 2 : value);
-    if (ex.dialect.tools.lathe && tool.tip > 0 && tool.tip < 9 &&
-        (rules.tips_in_all_planes || ex.plane == Plane::zx)) {
-      tip = kTips[tool.tip] * std::fabs(radius);
-    }
+    value = settings_.one_value ? tool_offset::length_value(ex, number) : tool.radius + tool.radius_wear;
+    tip = tool.tip;
   }
-  put(mode.radius, radius);
-  put(mode.tip.u, tip.u);
-  put(mode.tip.v, tip.v);
-  return mode;
+  auto& from = mode_from_;
+  if (from.read && !ex.transform.active() && from.value == value && from.number == number && from.side == side &&
+      from.again == again_ && from.tip == tip && from.plane == ex.plane && from.first == plane.first &&
+      from.second == plane.second) {
+    return mode_;
+  }
+  // What a mirrored plane reverses depends on more than this.
+  from = {!ex.transform.active(), ex.plane, plane.first, plane.second, side, again_, number, value, tip};
+
+  CompensationMode mode;
+  mode.plane = ex.plane;
+  mode.first = static_cast<std::uint8_t>(plane.first < 0 ? 0 : plane.first);
+  mode.second = static_cast<std::uint8_t>(plane.second < 0 ? 0 : plane.second);
+  mode.asked = side != 0;
+  mode.again = mode.asked && again_;
+  mode.wanted = number > 0;
+  // In a plane that is mirrored the tool is on the other side, as arcs turn the other way.
+  const int tool_side = ex.transform.reverses(mode.first, mode.second) ? -side : side;
+  mode.radius = tool_side * (settings_.diameter ? value / 2 : value);
+  if (ex.dialect.tools.lathe && tip > 0 && tip < 9 && (rules.tips_in_all_planes || ex.plane == Plane::zx)) {
+    mode.tip = kTips[tip] * std::fabs(mode.radius);
+  }
+  mode_ = mode;
+  return mode_;
 }
 
 void Pipeline::read_settings(const Executor& ex) {
@@ -100,6 +102,7 @@ void Pipeline::read_settings(const Executor& ex) {
   const double ahead = data.parameter(rules.read_ahead_parameter, kReadAhead);
   s.read_ahead = ahead >= 3 && ahead <= 8 ? static_cast<int>(ahead) : kReadAhead;
   settings_ = s;
+  mode_from_.read = false;
 }
 
 void Pipeline::written(int side, bool same_as_before) {
@@ -314,7 +317,7 @@ Pipeline::Closed Pipeline::close_last(Executor& ex, Vectors& end, const Entry* n
   has_previous_ = true;
   has_last_ = false;
   corner_ = end;
-  between_.swap(after_);
+  if (!between_.empty() || !after_.empty()) between_.swap(after_);
   return Closed::good;
 }
 
