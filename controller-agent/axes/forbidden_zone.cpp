@@ -73,11 +73,32 @@ std::optional<Entry> enters(const Zone& zone, const AxisVector& a, const AxisVec
   return std::nullopt;
 }
 
-}  // namespace
+bool near(const Zone& zone, const AxisVector& a, const AxisVector& b, const AxisVector& distance,
+          double margin) {
+  if (!zone.outside_forbidden) {
+    Zone wider = zone;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      wider.least[i] -= distance[i];
+      wider.most[i] += distance[i];
+    }
+    const Stay stay = stay_inside(wider, a, b, kOnBorder_mm - margin);
+    return zone.axes != 0 && stay.first < stay.second;
+  }
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!limited(zone, i)) continue;
+    const double free = distance[i] + margin - kOnBorder_mm;
+    if (std::min(a[i], b[i]) < zone.least[i] + free || std::max(a[i], b[i]) > zone.most[i] - free)
+      return true;
+  }
+  return false;
+}
 
-std::optional<Entry> find_entry(const Zone& zone, const AxisVector& start,
-                                const std::variant<motion::Line, motion::Arc>& geometry) {
-  if (const auto* line = std::get_if<motion::Line>(&geometry)) return enters(zone, start, line->end, 0);
+/// The move as one chord or, of an arc, several: found(from, to, margin) of each until one gives something.
+/// The arc is within the margin of its chord.
+template <class Found>
+auto along_chords(const AxisVector& start, const std::variant<motion::Line, motion::Arc>& geometry,
+                  Found found) {
+  if (const auto* line = std::get_if<motion::Line>(&geometry)) return found(start, line->end, 0.0);
   const auto& arc = std::get<motion::Arc>(geometry);
   const ArcPath path(start, arc);
   const double chords = std::max(1.0, std::ceil(std::abs(arc.angle_rad) / kChord_rad));
@@ -85,12 +106,28 @@ std::optional<Entry> find_entry(const Zone& zone, const AxisVector& start,
   const double margin =
       kArcMargin_mm + std::max(path.start_radius(), path.end_radius()) * kChord_rad * kChord_rad / 8;
   AxisVector from = start;
-  for (double k = 1; k <= chords; ++k) {
-    const AxisVector to = k == chords ? arc.end : path.position(arc.angle_rad * k / chords);
-    if (const auto entry = enters(zone, from, to, margin)) return entry;
+  for (double k = 1; k < chords; ++k) {
+    const AxisVector to = path.position(arc.angle_rad * k / chords);
+    if (const auto entry = found(from, to, margin)) return entry;
     from = to;
   }
-  return std::nullopt;
+  return found(from, arc.end, margin);
+}
+
+}  // namespace
+
+std::optional<Entry> find_entry(const Zone& zone, const AxisVector& start,
+                                const std::variant<motion::Line, motion::Arc>& geometry) {
+  return along_chords(start, geometry, [&](const AxisVector& from, const AxisVector& to, double margin) {
+    return enters(zone, from, to, margin);
+  });
+}
+
+bool comes_near(const Zone& zone, const AxisVector& start,
+                const std::variant<motion::Line, motion::Arc>& geometry, const AxisVector& distance) {
+  return along_chords(start, geometry, [&](const AxisVector& from, const AxisVector& to, double margin) {
+    return near(zone, from, to, distance, margin);
+  });
 }
 
 }  // namespace headstock::axes

@@ -29,4 +29,10 @@ struct Entry {
 std::optional<Entry> find_entry(const Zone& zone, const AxisVector& start,
                                 const std::variant<motion::Line, motion::Arc>& geometry);
 
+/// Does the axis path of the move come nearer to what is forbidden than `distance` (mm, of each axis) along
+/// every axis of the zone? For what the axes may leave the programmed path by. A move inside what is
+/// forbidden does. Any thread; no allocation.
+bool comes_near(const Zone& zone, const AxisVector& start,
+                const std::variant<motion::Line, motion::Arc>& geometry, const AxisVector& distance);
+
 }  // namespace headstock::axes

@@ -41,6 +41,12 @@ struct AccelerationShape {
 
   bool operator==(const AccelerationShape&) const = default;
   bool filters() const { return after != FilterShape::none && after_s != AxisVector{}; }
+  /// How far behind the interpolation an axis is at most, over its speed [s]: a mean of its positions in a time lies
+  /// within half of that time at its highest speed, a first-order lag within its time constant.
+  double lag_s(std::size_t axis) const {
+    if (after == FilterShape::none) return 0;
+    return after == FilterShape::linear ? (after_s[axis] + after_bell_s[axis]) / 2 : after_s[axis];
+  }
 };
 
 inline constexpr double kLongestFilter_s = 4.0;  // 0i-D No. 1622, 1769: 4,000 ms

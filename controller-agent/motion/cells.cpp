@@ -35,16 +35,52 @@ struct BendParts {
 };
 constexpr BendParts kParts{12, 0.08}, kPartsUnsmoothed{12, 0.05};
 constexpr double kMuchSlower = 0.7;  // a bend beside is cut where the limits of something as slow as this end
+constexpr std::size_t kTakenKept = 256;  // cells handed over, before their place is taken back
+
+double least_of(const AxisVector& values) {
+  AxisVector v = values;
+  for (std::size_t half = v.size() / 2; half > 0; half /= 2)
+    for (std::size_t i = 0; i < half; ++i) v[i] = std::min(v[i], v[i + half]);
+  return v[0];
+}
+
+double most_of(const AxisVector& values) {
+  AxisVector v = values;
+  for (std::size_t half = v.size() / 2; half > 0; half /= 2)
+    for (std::size_t i = 0; i < half; ++i) v[i] = std::max(v[i], v[i + half]);
+  return v[0];
+}
+
+/// Both cells' limits. Called some hundred times a segment: all lanes, whatever axes there are, nothing that
+/// could be the other cell, and not inlined, where the compiler forgets that: a few instructions on whole
+/// registers.
+[[gnu::noinline]] void limit(RawCell& __restrict target, const RawCell& __restrict by) {
+  for (std::size_t i = 0; i < target.rate.size(); ++i) target.rate[i] = std::max(target.rate[i], by.rate[i]);
+  for (std::size_t i = 0; i < target.rate.size(); ++i)
+    target.bend_up[i] = std::max(target.bend_up[i], by.bend_up[i]);
+  for (std::size_t i = 0; i < target.rate.size(); ++i)
+    target.bend_down[i] = std::max(target.bend_down[i], by.bend_down[i]);
+  target.speed = std::min(target.speed, by.speed);
+  target.feed = std::min(target.feed, by.feed);
+  target.speed_up = std::min(target.speed_up, by.speed_up);
+  target.slow_down = std::min(target.slow_down, by.slow_down);
+  target.jerk_gain = std::min(target.jerk_gain, by.jerk_gain);
+  target.jerk_loss = std::max(target.jerk_loss, by.jerk_loss);
+}
 
 }  // namespace
 
-CellMaker::CellMaker(const machine::Machine& machine) : period_s_(machine.period_us * 1e-6) {
+CellMaker::CellMaker(const machine::Machine& machine)
+    : axes_(machine.axes.size()), period_s_(machine.period_us * 1e-6) {
+  for (AxisVector* limits : {&feed_, &rapid_, &acceleration_, &jerk_}) limits->fill(kAny);
   double longest = 0;
-  for (const machine::Axis& axis : machine.axes) {
+  for (std::size_t i = 0; i < axes_; ++i) {
+    const machine::Axis& axis = machine.axes[i];
     const bool limited = axis.max_jerk_mm_s3 < kJerkUnlimited;
-    axes_.push_back({kVelocity * axis.max_feed_mm_min / 60, kVelocity * axis.rapid_mm_min / 60,
-                     kAcceleration * axis.max_acceleration_mm_s2,
-                     limited ? kJerk * axis.max_jerk_mm_s3 : kAny});
+    feed_[i] = kVelocity * axis.max_feed_mm_min / 60;
+    rapid_[i] = kVelocity * axis.rapid_mm_min / 60;
+    acceleration_[i] = kAcceleration * axis.max_acceleration_mm_s2;
+    if (limited) jerk_[i] = kJerk * axis.max_jerk_mm_s3;
     if (limited) longest = std::max(longest, axis.max_acceleration_mm_s2 / axis.max_jerk_mm_s3);
     jerk_limited_ = jerk_limited_ || limited;
     fastest_ = std::hypot(fastest_, std::max(axis.max_feed_mm_min, axis.rapid_mm_min) / 60);
@@ -89,15 +125,15 @@ void CellMaker::reset() {
   sections_.clear();
   staged_.clear();
   reaching_.clear();
-  final_ = 0;
+  taken_ = final_ = 0;
   newest_ = 0;
-  previous_.reset();
+  previous_twist_ = AxisVector{};
   pending_.reset();
 }
 
 void CellMaker::measure(const Span& span, double from, double to, RawCell& cell) {
   const double u0 = from - span.begin, h = to - from;
-  double speed = kAny, bend_taken = 0, twist_taken = 0;  // of the limits, per v² and v³
+  double speed = kAny;
   AxisVector bends{}, twist{};
   bool rapid_only = true;
   while (sections_.size() > 1 && sections_.front().end <= from) sections_.pop_front();
@@ -113,37 +149,33 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
     rapid_only = rapid_only && section.kind == FeedKind::rapid;
     if (section.end >= to) break;
   }
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
+  AxisVector axis_speed, bend_share, twist_share;
+  for (std::size_t i = 0; i < bends.size(); ++i) {
     const double c3 = span.c[3][i], c2 = span.c[2][i] + 3 * c3 * u0;
     const double c1 = span.c[1][i] + u0 * (2 * span.c[2][i] + 3 * c3 * u0);
     // Bézier points of the first derivative bound it; the second is linear, the third constant.
     const double r0 = c1, r1 = c1 + c2 * h, r2 = c1 + 2 * c2 * h + 3 * c3 * h * h;
     const double b0 = 2 * c2, b1 = b0 + 6 * c3 * h;
-    cell.rate[i] = std::max({std::abs(r0), std::abs(r1), std::abs(r2)});
-    const double bend = std::max(std::abs(b0), std::abs(b1));
-    if (std::min({r0, r1, r2}) > 0) {
-      cell.bend_up[i] = std::max(b0, b1);
-      cell.bend_down[i] = std::max(-b0, -b1);
-    } else if (std::max({r0, r1, r2}) < 0) {
-      cell.bend_up[i] = std::max(-b0, -b1);
-      cell.bend_down[i] = std::max(b0, b1);
-    } else {
-      cell.bend_up[i] = cell.bend_down[i] = bend;
-    }
+    const double lowest = std::min(r0, std::min(r1, r2)), highest = std::max(r0, std::max(r1, r2));
+    const double most = std::max(b0, b1), least = std::max(-b0, -b1), bend = std::max(most, least);
+    cell.rate[i] = std::max(highest, -lowest);
+    cell.bend_up[i] = lowest > 0 ? most : highest < 0 ? least : bend;
+    cell.bend_down[i] = lowest > 0 ? least : highest < 0 ? most : bend;
     bends[i] = bend;
     twist[i] = std::abs(6 * c3);
-    const AxisLimits& axis = axes_[i];
-    if (cell.rate[i] > 0)
-      speed = std::min(speed, (rapid_only ? axis.rapid : std::min(axis.feed, axis.rapid)) / cell.rate[i]);
-    bend_taken = std::max(bend_taken, bend / axis.acceleration);
-    twist_taken = std::max(twist_taken, twist[i] / axis.jerk);
+    // A rate of nothing, and limits of an axis that the machine has not, make infinity and nothing.
+    axis_speed[i] = (rapid_only ? rapid_[i] : std::min(feed_[i], rapid_[i])) / cell.rate[i];
+    bend_share[i] = bend / acceleration_[i];
+    twist_share[i] = twist[i] / jerk_[i];
   }
+  speed = std::min(speed, least_of(axis_speed));
+  const double bend_taken = most_of(bend_share), twist_taken = most_of(twist_share);  // per v² and v³
   if (bend_taken > 0) speed = std::min(speed, std::sqrt(kBendShare / bend_taken));
   if (twist_taken > 0) speed = std::min(speed, std::cbrt(twist_share_ / twist_taken));
   cell.speed = std::min(speed, cell.feed * kMaxOverride);
   limit_by_jerk(bends, twist, cell);
   cell.reach = cell.speed * window_s_;
-  if (smooth_around(span, cell.speed)) cell.reach = cell.speed * smooth_window_s_;
+  if (smooth_around(cell.speed)) cell.reach = cell.speed * smooth_window_s_;
 }
 
 void CellMaker::limit_by_jerk(const AxisVector& bends, const AxisVector& twist, RawCell& cell) const {
@@ -151,16 +183,17 @@ void CellMaker::limit_by_jerk(const AxisVector& bends, const AxisVector& twist, 
   cell.jerk_loss = 0;
   if (!jerk_limited_) return;
   // Per axis |a| <= (J - twist v³) / (3 bend v + 2 rate / smoothing time). The steepest line in v² that ends
-  // on it at the highest speed and is nowhere above it.
+  // on it at the highest speed and is nowhere above it. The speed leaves some of the jerk, so the numerator
+  // is above 0; an axis that does not move, or has no such limit, allows anything.
+  AxisVector at_once;
+  for (std::size_t i = 0; i < at_once.size(); ++i) at_once[i] = 2 * cell.rate[i] / smoothing_s_;
   std::array<double, kJerkPoints + 1> allowed;
   for (int k = 0; k <= kJerkPoints; ++k) {
     const double v = cell.speed * k / kJerkPoints;
-    double& a = allowed[static_cast<std::size_t>(k)] = kAny;
-    for (std::size_t i = 0; i < axes_.size(); ++i) {
-      const double per_acceleration = 3 * bends[i] * v + 2 * cell.rate[i] / smoothing_s_;
-      if (!(axes_[i].jerk < kAny) || per_acceleration <= 0) continue;
-      a = std::min(a, (axes_[i].jerk - twist[i] * v * v * v) / per_acceleration);
-    }
+    AxisVector a;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      a[i] = (jerk_[i] - twist[i] * v * v * v) / (3 * bends[i] * v + at_once[i]);
+    allowed[static_cast<std::size_t>(k)] = least_of(a);
   }
   const double fastest = allowed.back(), square = cell.speed * cell.speed;
   if (!(fastest < kAny)) return;
@@ -173,78 +206,60 @@ void CellMaker::limit_by_jerk(const AxisVector& bends, const AxisVector& twist, 
   cell.jerk_gain = fastest + cell.jerk_loss * square;
 }
 
-void CellMaker::limit(RawCell& target, const RawCell& by) {
-  target.speed = std::min(target.speed, by.speed);
-  target.feed = std::min(target.feed, by.feed);
-  target.speed_up = std::min(target.speed_up, by.speed_up);
-  target.slow_down = std::min(target.slow_down, by.slow_down);
-  target.jerk_gain = std::min(target.jerk_gain, by.jerk_gain);
-  target.jerk_loss = std::max(target.jerk_loss, by.jerk_loss);
-  for (std::size_t i = 0; i < target.rate.size(); ++i) {
-    target.rate[i] = std::max(target.rate[i], by.rate[i]);
-    target.bend_up[i] = std::max(target.bend_up[i], by.bend_up[i]);
-    target.bend_down[i] = std::max(target.bend_down[i], by.bend_down[i]);
-  }
-}
-
-bool CellMaker::smooth_around(const Span& span, double speed) const {
+bool CellMaker::smooth_around(double speed) const {
   // Error of the middle of what is averaged, when the third derivative jumps there.
   const double factor = speed * speed * speed * period_s_ *
                         std::max(1.0, kJumpInWindow * static_cast<double>(smoothing_periods_));
   const double twist = 6 * speed * speed * speed;
   const double small = smoothing_periods_ > 1 ? kJump : kJumpUnsmoothed;
-  const auto jumps = [&](const Span& other) {
-    for (std::size_t i = 0; i < axes_.size(); ++i) {
-      const double jump = std::abs(span.c[3][i] - other.c[3][i]);
-      if (jump * factor > small * axes_[i].acceleration || jump * twist > kJerkJump * axes_[i].jerk)
-        return true;
-    }
-    return false;
-  };
-  const Span straight{};
-  return !jumps(previous_ ? *previous_ : straight) && !jumps(following_ ? *following_ : straight);
+  bool smooth = true;
+  for (std::size_t i = 0; i < axes_; ++i)
+    smooth =
+        smooth && jump_[i] * factor <= small * acceleration_[i] && jump_[i] * twist <= kJerkJump * jerk_[i];
+  return smooth;
 }
 
 void CellMaker::add(const Span& span) {
   // One span late: what follows decides how far its limits have to reach.
   if (pending_) {
-    following_ = &span;
-    cut(*pending_);
-    previous_ = *pending_;
+    cut(*pending_, span.c[3]);
+    previous_twist_ = pending_->c[3];
+  } else {
+    begin_stretch(span.begin);
   }
-  if (!pending_) begin_stretch(span.begin);
   pending_ = span;
   if (!span.stop) return;
-  following_ = nullptr;
-  cut(span);
-  previous_.reset();
+  cut(span, AxisVector{});
+  previous_twist_ = AxisVector{};
   pending_.reset();
 }
 
-void CellMaker::cut(const Span& span) {
+void CellMaker::cut(const Span& span, const AxisVector& following_twist) {
+  for (std::size_t i = 0; i < jump_.size(); ++i)
+    jump_[i] =
+        std::max(std::abs(span.c[3][i] - previous_twist_[i]), std::abs(span.c[3][i] - following_twist[i]));
   // A bend is cut so that its limits follow it, as far as spreading them would not blur that again; a
   // straight stretch has only one set.
   const double length = span.end - span.begin;
   int parts = 1;
-  RawCell whole;
-  whole.begin = span.begin;
-  whole.end = span.end;
-  whole.straight = span.straight;
-  whole.shape = shape_;
-  whole.smoothing = static_cast<std::uint16_t>(smoothing_periods_);
-  measure(span, span.begin, span.end, whole);
+  RawCell cell;
+  cell.begin = span.begin;
+  cell.end = span.end;
+  cell.straight = span.straight;
+  cell.shape = shape_;
+  cell.smoothing = static_cast<std::uint16_t>(smoothing_periods_);
+  measure(span, span.begin, span.end, cell);
   if (!span.straight) {
     const BendParts& cuts = smoothing_periods_ > 1 ? kParts : kPartsUnsmoothed;
-    parts = static_cast<int>(std::clamp(std::ceil(length / (cuts.blur * whole.reach)), 1.0, cuts.most));
+    parts = static_cast<int>(std::clamp(std::ceil(length / (cuts.blur * cell.reach)), 1.0, cuts.most));
   }
   if (parts == 1) {
-    add_cell(whole, span.stop);
+    add_cell(cell, span.stop);
     return;
   }
   double from = span.begin;
   for (int i = 1; i <= parts; ++i) {
     const double to = i == parts ? span.end : span.begin + length * i / parts;
-    RawCell cell = whole;
     cell.begin = from;
     cell.end = to;
     measure(span, from, to, cell);
@@ -253,56 +268,55 @@ void CellMaker::cut(const Span& span) {
   }
 }
 
-void CellMaker::add_cell(RawCell cell, bool stop) {
-  spread_back(cell);
-  const RawCell own = cell;
+void CellMaker::add_cell(const RawCell& own, bool stop) {
+  spread_back(own);
   // A straight stretch is cut where limits of what is behind it end, a bend where that was much slower.
   ending_.clear();
   std::size_t passed = 0;
-  for (const RawCell& r : reaching_) {
-    const double at = r.end + r.reach;
-    if (at <= cell.begin)
+  for (const Reaching& r : reaching_) {
+    if (r.until <= own.begin)
       ++passed;
-    else if (at < cell.end && (cell.straight || r.speed < kMuchSlower * cell.speed))
-      ending_.push_back({at, r.end, r.reach});
+    else if (r.until < own.end && (own.straight || r.cell.speed < kMuchSlower * own.speed))
+      ending_.push_back({r.until, r.cell.end, r.cell.reach});
   }
   if (2 * passed > reaching_.size())  // moving the others costs more than looking at these
-    std::erase_if(reaching_, [&](const RawCell& r) { return r.end + r.reach <= cell.begin; });
+    std::erase_if(reaching_, [&](const Reaching& r) { return r.until <= own.begin; });
+  double begin = own.begin;
   while (!ending_.empty()) {
     // Ends close together share one cut, behind the last of them.
     double together = kAny, cut = kAny, grouped = 0;
     for (const Ending& r : ending_)
-      if (r.at > cell.begin) together = std::min(together, 0.2 * (cell.begin - r.end) + 0.02 * r.reach);
+      if (r.at > begin) together = std::min(together, 0.2 * (begin - r.end) + 0.02 * r.reach);
     for (const Ending& r : ending_) {
-      if (r.at <= cell.begin) continue;
-      if (r.at < cell.begin + together)
+      if (r.at <= begin) continue;
+      if (r.at < begin + together)
         grouped = std::max(grouped, r.at);
       else
         cut = std::min(cut, r.at);
     }
     if (grouped > 0) cut = grouped;
-    if (cut == kAny || cell.end - cut < 0.1 * (own.end - own.begin)) break;
-    RawCell part = cell;
-    part.end = cut;
-    append(part);
-    cell.begin = cut;
+    if (cut == kAny || own.end - cut < 0.1 * (own.end - own.begin)) break;
+    append(own, begin, cut);
+    begin = cut;
   }
-  cell.stop = stop;
-  append(cell);
+  append(own, begin, own.end);
   newest_ = own.end;
   if (stop) {
+    staged_.back().stop = true;
     reaching_.clear();
     final_ = staged_.size();
   } else {
-    reaching_.push_back(own);
+    reaching_.emplace_back(own);
     while (final_ < staged_.size() && staged_[final_].end + longest_reach_ < newest_) ++final_;
   }
 }
 
-void CellMaker::append(RawCell cell) {
-  for (const RawCell& r : reaching_)
-    if (r.end + r.reach > cell.begin) limit(cell, r);
-  staged_.push_back(cell);
+void CellMaker::append(const RawCell& cell, double begin, double end) {
+  RawCell& last = staged_.emplace_back(cell);
+  last.begin = begin;
+  last.end = end;
+  for (const Reaching& r : reaching_)
+    if (r.until > begin) limit(last, r.cell);
 }
 
 void CellMaker::spread_back(const RawCell& from) {
@@ -325,8 +339,8 @@ void CellMaker::spread_back(const RawCell& from) {
 }
 
 bool CellMaker::next(Cell& out) {
-  if (final_ == 0) return false;
-  const RawCell& raw = staged_.front();
+  if (taken_ == final_) return false;
+  const RawCell& raw = staged_[taken_];
   out.begin = raw.begin;
   out.end = raw.end;
   out.stop = raw.stop;
@@ -339,9 +353,9 @@ bool CellMaker::next(Cell& out) {
   out.jerk_gain = raw.jerk_gain;
   out.jerk_loss = raw.jerk_loss;
   out.axes = 0;
-  for (std::size_t i = 0; i < axes_.size(); ++i) {
+  for (std::size_t i = 0; i < axes_; ++i) {
     if (raw.rate[i] < 1e-9) continue;
-    out.gain[out.axes] = axes_[i].acceleration / raw.rate[i];
+    out.gain[out.axes] = acceleration_[i] / raw.rate[i];
     // Curvature that helps is counted on only without averaging: the average of v² is not the average's
     // square.
     const double help = raw.smoothing > 1 ? 0 : -kAny;
@@ -354,8 +368,11 @@ bool CellMaker::next(Cell& out) {
     out.ceiling[p] = speed * speed;
     out.ceiling_braking[p] = out.braking_up_to(out.ceiling[p]);
   }
-  staged_.pop_front();
-  --final_;
+  if (++taken_ == kTakenKept) {
+    staged_.erase(staged_.begin(), staged_.begin() + kTakenKept);
+    final_ -= kTakenKept;
+    taken_ = 0;
+  }
   return true;
 }
 

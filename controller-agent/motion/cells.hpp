@@ -36,9 +36,9 @@ using PerPlan = std::array<double, kPlanCount>;
 
 /// A stretch of the path with constant limits, as the real-time thread reads it.
 struct Cell {
-  double begin = 0, end = 0;  ///< programmed length [mm]
-  bool stop = false;          ///< the path stops at `end`
-  std::uint8_t shape = 0;     ///< Move::shape; the same from one stop to the next
+  double begin = 0, end = 0;    ///< programmed length [mm]
+  bool stop = false;            ///< the path stops at `end`
+  std::uint8_t shape = 0;       ///< Move::shape; the same from one stop to the next
   std::uint16_t smoothing = 1;  ///< periods of the moving average; the same from one stop to the next
   FeedKind kind = FeedKind::feed;
   double reference_rpm = 0;  ///< of feed per revolution
@@ -125,6 +125,7 @@ struct RawCell {
   std::uint16_t smoothing = 1;
   FeedKind kind = FeedKind::feed;
   double reference_rpm = 0;
+  // What other cells take over where it reaches them.
   AxisVector rate{};                    ///< largest |q'|
   AxisVector bend_up{}, bend_down{};    ///< largest q'' with, against the sense of q'; signed
   double speed = 0;                     ///< highest, whatever the override
@@ -150,22 +151,20 @@ class CellMaker {
   bool next(Cell& out);
 
  private:
-  struct AxisLimits {
-    double feed, rapid, acceleration, jerk;
-  };
   void smooth(std::size_t periods, bool asked_for);
   void begin_stretch(double from);
-  void append(RawCell cell);
+  void append(const RawCell& cell, double begin, double end);
   void spread_back(const RawCell& from);
-  void cut(const Span& span);
+  void cut(const Span& span, const AxisVector& following_twist);
   /// Does the third derivative change little enough at both ends of the span for steps at this speed?
-  bool smooth_around(const Span& span, double speed) const;
+  bool smooth_around(double speed) const;
   void measure(const Span& span, double from, double to, RawCell& cell);
-  void add_cell(RawCell cell, bool stop);
+  void add_cell(const RawCell& own, bool stop);
   void limit_by_jerk(const AxisVector& bends, const AxisVector& twist, RawCell& cell) const;
-  static void limit(RawCell& target, const RawCell& by);
 
-  std::vector<AxisLimits> axes_;
+  // Of each axis; of those that the machine has not: infinite, so that loops need not ask how many there are.
+  AxisVector feed_{}, rapid_{}, acceleration_{}, jerk_{};
+  std::size_t axes_ = 0;
   double period_s_;
   std::size_t own_smoothing_ = 1, smoothing_periods_ = 1;
   std::uint8_t shape_ = 0;
@@ -174,16 +173,23 @@ class CellMaker {
   double twist_share_ = 1;
   bool jerk_limited_ = false;
   std::deque<FeedSection> sections_;
-  std::deque<RawCell> staged_;     // since the last stop, not final
-  std::vector<RawCell> reaching_;  // cells whose limits still reach beyond the newest
+  // Handed over, then final, then those whose limits may still change.
+  std::vector<RawCell> staged_;
+  std::size_t taken_ = 0, final_ = 0;
+  struct Reaching {
+    explicit Reaching(const RawCell& own) : cell(own), until(own.end + own.reach) {}
+    RawCell cell;
+    double until;
+  };
+  std::vector<Reaching> reaching_;  // cells whose limits still reach beyond the newest
   struct Ending {
     double at, end, reach;  // end + reach, and of which cell
   };
   std::vector<Ending> ending_;  // of those, inside the newest
-  std::size_t final_ = 0;       // staged_ cells that are final
   double newest_ = 0;
-  std::optional<Span> previous_, pending_;
-  const Span* following_ = nullptr;  // of pending_, while it is cut
+  std::optional<Span> pending_;
+  AxisVector previous_twist_{};  // c[3] of the span before it; a stop counts as a straight line
+  AxisVector jump_{};            // of c[3] at either end of the span that is being cut
 };
 
 }  // namespace headstock::motion

@@ -11,7 +11,6 @@ namespace {
 constexpr double kAny = std::numeric_limits<double>::infinity();
 constexpr std::size_t kAhead =
     20;  // moves known before knots are placed: keeps knots independent of when moves come
-constexpr std::size_t kWindow = 10;  // corners to either side that may share a blend
 constexpr double kAligned =
     0.77 * 6;  // share of the tolerance for a corner with a knot on it (error: turn * d / 6)
 constexpr double kBesideArc = 0.48 * 6;  // the arc's own knots take a share, too
@@ -23,13 +22,10 @@ constexpr double kMostWidth = 50;        // mm
 constexpr int kWidthSteps = 6;           // of halving the range a width of a run is searched in
 constexpr double kNearWhole = 0.9;       // of a line: a knot beyond it goes to the middle
 
-/// In a run: largest error a unit corner makes at distance x when knots are `width` apart, wherever it lies
-/// between them (an upper envelope of the spline of hat-weighted means).
-constexpr double kReach = 2.1;
-double envelope(double x, double width) {
-  const double r = 1 - x / (kReach * width);
-  return r > 0 ? 0.2908 * width * r * r * r : 0;
-}
+// In a run: the largest error that a unit corner makes at distance x when knots are `width` apart, wherever
+// it lies between them, is below kHighest width (1 - x / (kReach width))³ (an upper envelope of the spline of
+// hat-weighted means).
+constexpr double kReach = 2.1, kHighest = 0.2908;
 
 double tangent_change(const Curve& from, const Curve& to) {
   return distance(from.tangent(from.length), to.tangent(0));
@@ -82,22 +78,39 @@ bool Smoother::known_ahead(std::size_t index) const {
   return false;
 }
 
-double Smoother::rounding_error(std::size_t index, double width) const {
-  const double at = nodes_[index].piece.end, reach = kReach * width;
-  double error = nodes_[index].corner.turn * envelope(0, width);
-  for (std::size_t k = index; k-- > 0;) {
-    const double x = at - nodes_[k].piece.end;
-    if (x >= reach || nodes_[k].piece.stop) break;
-    if (index - k > kWindow || nodes_[k].piece.curve.is_arc) return kAny;
-    error += nodes_[k].corner.turn * envelope(x, width);
+Smoother::CornersNear Smoother::corners_near(std::size_t index, double reach) const {
+  CornersNear near;
+  const double at = nodes_[index].piece.end;
+  const auto add = [&](std::size_t k, std::size_t away) {
+    const Node& node = nodes_[k];
+    const double x = std::abs(node.piece.end - at);
+    if (x >= reach || node.piece.stop) return false;
+    if (away > kWindow || node.piece.curve.is_arc) {
+      near.known_to = std::min(near.known_to, x);
+      return false;
+    }
+    near.distance[near.count] = x;
+    near.turn[near.count++] = node.corner.turn;
+    return true;
+  };
+  near.distance[near.count] = 0;
+  near.turn[near.count++] = nodes_[index].corner.turn;
+  for (std::size_t k = index; k > 0 && add(k - 1, index - (k - 1)); --k) {
   }
-  for (std::size_t k = index + 1; k < nodes_.size(); ++k) {
-    const double x = nodes_[k].piece.end - at;
-    if (x >= reach || nodes_[k].piece.stop) break;
-    if (k - index > kWindow || nodes_[k].piece.curve.is_arc) return kAny;
-    error += nodes_[k].corner.turn * envelope(x, width);
+  for (std::size_t k = index + 1; k < nodes_.size() && add(k, k - index); ++k) {
   }
-  return error;
+  return near;
+}
+
+double Smoother::CornersNear::error(double width) const {
+  const double reach = kReach * width;
+  if (known_to < reach) return kAny;
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double r = 1 - distance[i] / reach;
+    if (r > 0) sum += turn[i] * (kHighest * width * r * r * r);
+  }
+  return sum;
 }
 
 const Smoother::Corner& Smoother::measured(std::size_t index) {
@@ -121,10 +134,11 @@ const Smoother::Corner& Smoother::measured(std::size_t index) {
          most = std::min(corner.width,
                          8 * std::max(room, 0.5 * std::min(corner.width, std::max(piece.curve.length,
                                                                                   following.curve.length))));
-  if (least < most && rounding_error(index, least) <= kRun * piece.tolerance) {
+  const CornersNear near = corners_near(index, kReach * std::max(least, most));
+  if (least < most && near.error(least) <= kRun * piece.tolerance) {
     for (int i = 0; i < kWidthSteps; ++i) {
       const double middle = std::sqrt(least * most);
-      (rounding_error(index, middle) <= kRun * piece.tolerance ? least : most) = middle;
+      (near.error(middle) <= kRun * piece.tolerance ? least : most) = middle;
     }
     corner.width = least;
     corner.run = true;

@@ -18,6 +18,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <limits>
 
 #include "motion/geometry.hpp"
 
@@ -74,9 +75,20 @@ class Smoother {
   };  // corner at the piece's end
 
   bool place_knots();
+  static constexpr std::size_t kWindow = 10;  // corners to either side that may share a blend
+  /// A corner of a run and those beside it.
+  struct CornersNear {
+    static constexpr std::size_t kMost = 2 * kWindow + 2;
+    std::array<double, kMost> distance, turn;
+    std::size_t count = 0;
+    double known_to = std::numeric_limits<double>::infinity();  // distance
+    /// How far off the path the spline is at most with knots `width` apart; infinite: not known.
+    double error(double width) const;
+  };
   bool known_ahead(std::size_t index) const;
   const Corner& measured(std::size_t index);
-  double rounding_error(std::size_t index, double width) const;
+  /// Nearer than `reach`.
+  CornersNear corners_near(std::size_t index, double reach) const;
   void emit_line(double begin, double end, double before, double after);
   void emit_arc(const Piece& piece, double before, double after);
   void knot(double t);

@@ -137,6 +137,7 @@ struct AccelerationReader {
 
 AccelerationRules AccelerationRules::read(const machine::Machine& machine, const interp::MachineData& data) {
   AccelerationRules rules;
+  for (std::size_t i = 0; i < machine.axes.size(); ++i) rules.rapid_mm_s_[i] = machine.axes[i].rapid_mm_min / 60;
   const AccelerationReader reader{machine, data, rules};
   reader.each([&](const AccelerationRow& row, Kind& kind, std::size_t, double value) {
     reader.take_bell(row, kind, value);
@@ -161,11 +162,20 @@ AccelerationRules AccelerationRules::read(const machine::Machine& machine, const
   return rules;
 }
 
+namespace {
+
+/// How much of the speed along the path an axis has at most.
+double share_of(const motion::Curve& curve, std::size_t axis) {
+  const bool turns = curve.is_arc && (axis == curve.axis_1 || axis == curve.axis_2);
+  return turns ? 1 : std::abs(curve.direction[axis]);
+}
+
+}  // namespace
+
 double AccelerationRules::allowed(const Limit& limit, const motion::Curve& curve, double feed_mm_s) {
   double most = limit.along, time_s = 0;
   for (std::size_t i = 0; i < limit.axis.size(); ++i) {
-    const bool turns = curve.is_arc && (i == curve.axis_1 || i == curve.axis_2);
-    const double share = turns ? 1 : std::abs(curve.direction[i]);
+    const double share = share_of(curve, i);
     if (share <= kNoShare) continue;
     if (limit.axis[i] > 0) lower(most, limit.axis[i] / share);
     time_s = std::max(time_s, limit.time_s[i]);
@@ -174,12 +184,32 @@ double AccelerationRules::allowed(const Limit& limit, const motion::Curve& curve
   return most;
 }
 
+/// 0 for a positioning.
+double AccelerationRules::speed_of(const motion::Move& move, double rpm) {
+  if (const auto* feed = std::get_if<motion::PathFeed>(&move.feed)) return feed->mm_s;
+  if (const auto* feed = std::get_if<motion::RevolutionFeed>(&move.feed)) return feed->mm_rev * rpm / 60;
+  if (const auto* cut = std::get_if<motion::ThreadFeed>(&move.feed)) return cut->lead_mm * rpm / 60;
+  return 0;
+}
+
+void AccelerationRules::without_filter(const motion::Curve& curve, motion::Move& move, double rpm) const {
+  const motion::AccelerationShape& shape = shapes_[move.shape];
+  double speed = speed_of(move, rpm), time_s = 0;
+  for (std::size_t i = 0; i < rapid_mm_s_.size(); ++i) {
+    const double share = share_of(curve, i);
+    if (share <= kNoShare) continue;
+    if (std::holds_alternative<motion::RapidFeed>(move.feed)) lower(speed, rapid_mm_s_[i] / share);
+    time_s = std::max(time_s, shape.after_s[i] + shape.after_bell_s[i]);
+  }
+  move.shape = 0;
+  if (!(time_s > 0)) return;
+  lower(move.speed_up_mm_s2, speed / time_s);
+  lower(move.slow_down_mm_s2, speed / time_s);
+}
+
 void AccelerationRules::apply(const motion::Curve& curve, motion::Move& move, MotionKind kind, double rpm,
                               double ratio) const {
-  double feed_mm_s = 0;
-  if (const auto* feed = std::get_if<motion::PathFeed>(&move.feed)) feed_mm_s = feed->mm_s;
-  if (const auto* feed = std::get_if<motion::RevolutionFeed>(&move.feed)) feed_mm_s = feed->mm_rev * rpm / 60;
-  if (const auto* cut = std::get_if<motion::ThreadFeed>(&move.feed)) feed_mm_s = cut->lead_mm * rpm / 60;
+  const double feed_mm_s = speed_of(move, rpm);
   const Kind& limits = kinds_[static_cast<std::size_t>(kind)];
   move.speed_up_mm_s2 = allowed(limits.up, curve, feed_mm_s) * ratio;
   move.slow_down_mm_s2 = allowed(limits.down, curve, feed_mm_s) * ratio;

@@ -31,6 +31,8 @@ class AccelerationRules {
   /// @param rpm that a feed per revolution and a thread are taken at
   /// @param ratio of the acceleration of a retreat (K2000TC J/K)
   void apply(const motion::Curve& curve, motion::Move& move, MotionKind kind, double rpm, double ratio = 1) const;
+  /// The move without the filter of its shape, which would not keep it on its path: along the path as gentle as that.
+  void without_filter(const motion::Curve& curve, motion::Move& move, double rpm) const;
   /// What Move::shape is about: for the kernel, before its next start.
   const motion::Kernel::Shapes& shapes() const { return shapes_; }
 
@@ -58,6 +60,9 @@ class AccelerationRules {
   friend struct AccelerationReader;
   static double allowed(const Limit& limit, const motion::Curve& curve, double feed_mm_s);
 
+  static double speed_of(const motion::Move& move, double rpm);
+
+  AxisVector rapid_mm_s_{};
   std::array<Kind, kMotionKinds> kinds_{};
   motion::Kernel::Shapes shapes_{};
   std::string not_done_;

@@ -52,6 +52,7 @@ std::optional<MachineAlarm> Controller::Impl::before_motion(const interp::Operat
   const auto* thread = std::get_if<interp::Thread>(&taken);
   const bool check_first = data.bit(kCheckBeforeMove);
   const bool third = has_third_zone();
+  feed.set_zones(zone || third ? zones() : std::vector<axes::Zone>{});
   if (!zone && !third && !thread && !check_first) return std::nullopt;
   AxisVector begin = from;
   for (const motion::Move& part : feed.moves(taken)) {

@@ -290,6 +290,8 @@ CommandResult Controller::Impl::resume() {
   if (restarting.found)
     if (const CommandResult may = may_go_to_restart(); !may.accepted) return may;
   if (returning || retracing || !hands_done(~plc_axes)) return refused("running");
+  // What the program has left was looked at for where it leads without the hand's displacement.
+  if (displaced() && !(manual_absolute ? way_back_is_free() : zones().empty())) return refused("travel_limit");
   restarting.found = false;
   restarting.report = {};
   clear_alarms(true);

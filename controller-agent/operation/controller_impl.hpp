@@ -129,7 +129,8 @@ struct Controller::Impl {
   bool take_over_hands();
   double manual_feed(std::size_t axis) const;
   /// How far the axis may be moved in this direction before a limit or a forbidden zone.
-  double reach(std::size_t axis, int direction);
+  double reach(std::size_t axis, int direction);  // before_hand.cpp
+  bool way_back_is_free();
   double hand_position(std::size_t axis);
 
   // ---- sequencer.cpp: from operations to moves and interludes

@@ -95,27 +95,6 @@ AxisVector Controller::Impl::standing() {
   return at;
 }
 
-double Controller::Impl::reach(std::size_t axis, int direction) {
-  constexpr double kNoLimit_mm = 1e6;
-  const machine::Axis& limits = machine.axes[axis];
-  const bool unlimited = (realtime.homed.load() >> axis & 1) == 0;
-  double limit = direction > 0 ? limits.max_mm : limits.min_mm;
-  if (unlimited) limit = direction > 0 ? kNoLimit_mm : -kNoLimit_mm;
-  AxisVector here = standing();
-  here[axis] = hand_position(axis);
-  motion::Line way{here};
-  way.end[axis] = limit;
-  for (const axes::Zone& forbidden : zones()) {
-    if (!axes::find_entry(forbidden, here, way)) continue;
-    // Up to the border that it would pass first.
-    double border = direction > 0 ? forbidden.least[axis] : forbidden.most[axis];
-    if (forbidden.outside_forbidden) border = direction > 0 ? forbidden.most[axis] : forbidden.least[axis];
-    const double stop = border - direction * axes::kStopBeforeLimit_mm;
-    if ((limit - stop) * direction > 0) limit = stop;
-  }
-  return limit;
-}
-
 /// Acceleration by the controller's parameters; a rapid jog is accelerated like positioning.
 void Controller::Impl::shape_by_hand(std::size_t axis, MotionKind kind, HandOrder& order) const {
   const auto hand = AccelerationRules::read(machine, data)
@@ -192,6 +171,11 @@ CommandResult Controller::Impl::reference(std::size_t axis) {
         std::min(data.parameter(of_axis("1428", limits.name), limits.rapid_mm_min), limits.rapid_mm_min) / 60;
   } else if (order.target == hand_position(axis)) {
     return {true, {}};
+  } else {
+    const int direction = order.target > hand_position(axis) ? 1 : -1;
+    const double reached = reach(axis, direction);
+    const bool zone_on_the_way = reached != (direction > 0 ? limits.max_mm : limits.min_mm);
+    if (zone_on_the_way && (reached - order.target) * direction < 0) return refused("travel_limit");
   }
   move_by_hand(axis, order);
   return {true, {}};

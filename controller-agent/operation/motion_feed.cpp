@@ -212,6 +212,7 @@ std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operati
     if (path_length(position_, move) <= kNoMove_mm) continue;
     limit_speed(move, !rapid);
     limit_acceleration(move, common.modal, away);
+    keep_clear(move);
     if (tag == 0) {
       if (held_back_) {
         if (rapid) held_back_->exact_stop = true;
@@ -260,8 +261,26 @@ void MotionFeed::limit_acceleration(motion::Move& move, const interp::ModalSnaps
   // Under constant surface speed the speed is not known: the highest is the least limit.
   const bool surface = std::find(modal.g.begin(), modal.g.end(), kSurfaceSpeed) != modal.g.end();
   const double rpm = surface || !(modal.spindle_speed > 0) ? machine_.spindle.max_rpm : modal.spindle_speed;
-  rules_.accelerations.apply(motion::Curve::from(position_, move, machine_.axes.size()), move, kind, rpm,
-                             kind == MotionKind::retreat ? away : 1);
+  const auto curve = motion::Curve::from(position_, move, machine_.axes.size());
+  rules_.accelerations.apply(curve, move, kind, rpm, kind == MotionKind::retreat ? away : 1);
+  if (clearance_.forbids_filter(position_, move, rules_.accelerations.shapes()[move.shape]))
+    rules_.accelerations.without_filter(curve, move, rpm);
+}
+
+void MotionFeed::keep_clear(motion::Move& move) {
+  const double rounding_mm = std::max(move.tolerance_mm, held_back_ ? held_back_->tolerance_mm : machine_.tolerance_mm);
+  if (!clearance_.forbids_rounding(position_, move, rounding_mm)) return;
+  const auto exact = [](motion::Move& each, bool stop) {
+    each.tolerance_mm = std::min(each.tolerance_mm, ZoneClearance::kAlmostExact_mm);
+    each.exact_stop = each.exact_stop || stop;
+  };
+  // In a chain of threads there is no stop.
+  const bool thread = std::holds_alternative<motion::ThreadFeed>(move.feed);
+  exact(move, !thread);
+  if (held_back_)
+    exact(*held_back_, !thread || !std::holds_alternative<motion::ThreadFeed>(held_back_->feed));
+  else
+    kernel_.finish();  // what is before has been handed over without knowing of this
 }
 
 void MotionFeed::limit_speed(motion::Move& move, bool cutting) {

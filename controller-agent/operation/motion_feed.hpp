@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "axes/travel_limits.hpp"
@@ -16,6 +17,7 @@
 #include "operation/retrace.hpp"
 #include "operation/speed_limits.hpp"
 #include "operation/tag_ring.hpp"
+#include "operation/zone_clearance.hpp"
 
 namespace headstock::operation {
 
@@ -42,6 +44,7 @@ class MotionFeed {
       : machine_(machine),
         kernel_(kernel),
         tags_(tags),
+        clearance_(machine),
         inner_corners_(machine.axes.size(), [this](const AxisVector& start, const motion::Move& move) {
           kernel_.push(move);
           if (history_ != nullptr) history_->record(start, move);
@@ -59,6 +62,9 @@ class MotionFeed {
   }
   /// G08, G05.1: what follows is under look-ahead control, or not.
   void set_look_ahead(bool on) { look_ahead_ = on; }
+
+  /// Stored stroke checks 2 and 3 that are in force for what follows.
+  void set_zones(std::vector<axes::Zone> zones) { clearance_.set(std::move(zones)); }
 
   /// Room for one more move? `traced`: tag being traced.
   bool has_room(std::uint64_t traced) const {
@@ -105,6 +111,8 @@ class MotionFeed {
 
  private:
   CuttingSide side_of(const interp::Motion& motion) const;
+  /// Near a forbidden zone: at the programmed corners exactly, at both ends.
+  void keep_clear(motion::Move& move);
   /// The move held back goes on; inner corners may keep it back longer.
   void pass_on();
   /// Limits the held-back move and this one by the parameters of the controller.
@@ -122,6 +130,7 @@ class MotionFeed {
   std::function<void(const motion::Move&)> observer_;
   AxisVector held_start_{};
   CuttingSide held_side_;
+  ZoneClearance clearance_;
   CornerOverride inner_corners_;
   bool look_ahead_ = false;
   bool after_thread_ = false;  // the last move was one

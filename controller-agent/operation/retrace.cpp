@@ -72,7 +72,7 @@ double Retrace::share_of(const Executed& executed, const AxisVector& position) c
 
 motion::Move Retrace::part(const Executed& executed, double from, double to) const {
   motion::Move move;
-  move.tolerance_mm = machine_.tolerance_mm;
+  move.tolerance_mm = std::min(machine_.tolerance_mm, executed.move.tolerance_mm);  // less near a forbidden zone
   const AxisVector end = point(executed, to);
   const auto* arc = std::get_if<motion::Arc>(&executed.move.geometry);
   if (arc == nullptr) {
@@ -149,6 +149,9 @@ bool Retrace::go(double way_mm, double feed_mm_s) {
     }
   }
   if (way.empty()) return false;
+  // A corner belongs to both its moves, whichever way it is passed.
+  for (std::size_t k = 0; k + 1 < way.size(); ++k)
+    way[k].tolerance_mm = std::min(way[k].tolerance_mm, way[k + 1].tolerance_mm);
   kernel_->set_position(position_);
   way.back().exact_stop = true;
   for (const motion::Move& move : way) kernel_->push(move);

@@ -39,6 +39,23 @@ TEST(ForbiddenZone, LeavingAPermittedBox) {
   EXPECT_FALSE(entered(zone, {9, 0}, {7, 0})) << "back inwards";
 }
 
+TEST(ForbiddenZone, HowNearALineComes) {
+  const Zone forbidden = box(false), permitted = box(true);
+  const AxisVector one{1, 1}, flat{1, 0.1};
+  const auto near = [](const Zone& zone, AxisVector from, AxisVector to, AxisVector distance) {
+    return comes_near(zone, from, motion::Line{to}, distance);
+  };
+  EXPECT_TRUE(near(forbidden, {-10, 5.9}, {10, 5.9}, one));
+  EXPECT_FALSE(near(forbidden, {-10, 6}, {10, 6}, one)) << "as far as asked for";
+  EXPECT_FALSE(near(forbidden, {-10, 5.9}, {10, 5.9}, flat));
+  EXPECT_FALSE(near(forbidden, {0, -12.1}, {12.1, 0}, one)) << "past its corner";
+  EXPECT_TRUE(near(forbidden, {0, 0}, {-10, 0}, one)) << "out of it";
+  EXPECT_FALSE(near(permitted, {-4, 0}, {4, 0}, one));
+  EXPECT_TRUE(near(permitted, {-4.1, 0}, {4, 0}, one));
+  EXPECT_TRUE(near(permitted, {0, 0}, {0, 4.95}, flat));
+  EXPECT_FALSE(near(Zone{}, {0, 0}, {1, 1}, one)) << "a zone without axes";
+}
+
 TEST(ForbiddenZone, ArcsAgainstTheirPoints) {
   std::mt19937 generator(1);
   std::uniform_real_distribution<double> one(-1, 1);
@@ -64,6 +81,10 @@ TEST(ForbiddenZone, ArcsAgainstTheirPoints) {
       nearest = std::min(nearest, std::max(std::abs(p[0]), std::abs(p[1])) - 5);
     }
     const bool found = find_entry(box(false), start, arc).has_value();
+    const bool near = comes_near(box(false), start, arc, AxisVector{2, 2});
+    if (nearest < 2 || nearest > 2.03) {
+      EXPECT_EQ(near, nearest < 2) << round << ' ' << nearest;
+    }
     if (nearest < 0) {
       EXPECT_TRUE(found) << round;
       ++hits;
