@@ -87,7 +87,7 @@ Vectors corner(const Segment& a, const Segment& b, double r, const OffsetRules& 
   return corner(a, a.direction_at_end(), b, b.direction_at_start(), r, rules);
 }
 
-Vectors corner(const Segment& a, Point a_end, const Segment& b, Point b_start, double r,
+Vectors corner(const Segment& a, const Point& a_end, const Segment& b, const Point& b_start, double r,
                const OffsetRules& rules) {
   const Turn turn = turn_of(a_end, b_start, r);
   const Point n1 = turn.n1, n2 = turn.n2;

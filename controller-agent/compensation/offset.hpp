@@ -22,14 +22,31 @@
 
 namespace headstock::comp {
 
-/// What the tool's centre passes at the end of one block and the start of the next: vectors from the corner.
+/// What the tool's centre passes at the end of one block and the start of the next: vectors from the corner. Nearly
+/// always one: only those that there are have a value and are copied.
 struct Vectors {
   static constexpr std::size_t kMost = 8;
-  std::array<Point, kMost> at{};
+  union {
+    Point at[kMost];
+  };
   std::size_t count = 0;
   bool circular = false;  ///< at[0] → at[1] is an arc about the corner
   double turn = 0;        ///< its sense
   int bare = -1;  ///< index of the vector that is no offset at all (G50 within compensation); -1: none
+
+  Vectors() {}
+  explicit Vectors(Point only) : count(1) { at[0] = only; }
+  Vectors(const Vectors& other) { *this = other; }
+  Vectors& operator=(const Vectors& other) {
+    at[0] = other.count > 0 ? other.at[0] : Point{};
+    for (std::size_t i = 1; i < other.count; ++i) at[i] = other.at[i];
+    count = other.count;
+    circular = other.circular;
+    turn = other.turn;
+    bare = other.bare;
+    return *this;
+  }
+  ~Vectors() = default;
 
   void add(Point vector) {
     if (count < kMost) at[count++] = vector;
@@ -38,9 +55,7 @@ struct Vectors {
   Point last() const { return at[count - 1]; }
 };
 inline Vectors single(Point vector) {
-  Vectors v;
-  v.add(vector);
-  return v;
+  return Vectors(vector);
 }
 
 /// Start-up and cancel: how the tool comes to the contour and leaves it.
@@ -64,7 +79,7 @@ Point normal_at_start(const Segment& segment, double r);
 /// @return no vectors: the offset paths of an inside corner do not meet (alarm 33 of all controls)
 Vectors corner(const Segment& a, const Segment& b, double r, const OffsetRules& rules);
 /// The same with directions that are known: of `a` at its end, of `b` at its start.
-Vectors corner(const Segment& a, Point a_end, const Segment& b, Point b_start, double r,
+Vectors corner(const Segment& a, const Point& a_end, const Segment& b, const Point& b_start, double r,
                const OffsetRules& rules);
 /// `a` leads from a point without offset to the start of `b`.
 Vectors start_up(const Segment& a, const Segment& b, double r, const OffsetRules& rules);

@@ -15,18 +15,6 @@ using comp::CornerFault;
 using comp::CornerShape;
 using comp::Point;
 
-Motion* motion_in(Operation& operation) {
-  return std::visit(
-      [](auto& op) -> Motion* {
-        if constexpr (std::is_base_of_v<Motion, std::decay_t<decltype(op)>>) {
-          return &op;
-        } else {
-          return nullptr;
-        }
-      },
-      operation);
-}
-
 Pipeline::Pipeline() = default;
 Pipeline::Pipeline(Pipeline&& other) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&& other) noexcept = default;
@@ -40,8 +28,14 @@ Pipeline::EntryPtr Pipeline::fresh() {
   return entry;
 }
 
-void Pipeline::recycle(EntryPtr entry) {
-  if (entry != nullptr) spare_.push_back(std::move(entry));
+void Pipeline::recycle(EntryPtr&& entry) {
+  if (entry == nullptr) return;
+  if (intake_ == nullptr) {  // the next block's
+    entry->begin();
+    intake_ = std::move(entry);
+  } else {
+    spare_.push_back(std::move(entry));
+  }
 }
 
 // A motion that is run as it is.
@@ -175,17 +169,15 @@ void Pipeline::take(Executor& ex) {
   ex.queue_head = 0;
   ex.out_used = false;
 
-  read_settings(ex);
+  mode_of(ex);
   bool moved = false;
-  CompensationMode mode;
-  if (!incoming_.empty()) mode = mode_of(ex);
   for (EntryPtr& entry : incoming_) {
     if (stopped_) break;
-    entry->mode = mode;
+    entry->mode = mode_;
     describe(ex, *entry);
     if (entry->motion) {
-      entry->request = std::exchange(request_, CornerRequest{});
-      entry->vector = std::exchange(vector_, BlockVector{});
+      if (request_.asked()) entry->request = std::exchange(request_, CornerRequest{});
+      if (vector_.given) entry->vector = std::exchange(vector_, BlockVector{});
       moved = moved || entry->plane_move || entry->lifted || entry->request.open;
     }
     corners(ex, std::move(entry));
@@ -202,8 +194,8 @@ void Pipeline::take(Executor& ex) {
     }
   }
   block_counts_ = again_ = lift_block_ = written_here_ = false;
-  request_ = {};
-  vector_ = {};
+  if (request_.asked()) request_ = {};
+  vector_.given = false;
   const bool busy = held_corner_ || on_ || has_last_ || has_previous_ || side_ != 0;
   if (!busy || stopped_) active_ = false;
   if (stopped_) clear();
@@ -224,7 +216,7 @@ void Pipeline::corners(Executor& ex, EntryPtr&& entry) {
     corner_followers_.push_back(std::move(entry));
     return;
   }
-  if (entry->motion && (entry->request.shape != CornerShape::none || entry->request.open)) {
+  if (entry->motion && entry->request.asked()) {
     open_ = entry->request.open;
     open_angle_deg_ = entry->request.angle_deg;
     held_ = std::move(entry);

@@ -34,6 +34,8 @@ struct CornerRequest {
   int next_sign = 0;            ///< … in this direction; 0: any
   bool open = false;            ///< the end point is known with the next block (angle only)
   double angle_deg = 0;         ///< of an open line
+
+  bool asked() const { return open || shape != comp::CornerShape::none; }
 };
 
 /// The compensation in force when a block was read.
@@ -92,8 +94,8 @@ class Pipeline {
   bool cancels_here() const { return on_ && written_here_ && side_ == 0; }
   int side() const { return side_; }
 
-  /// The plane's axes and the tool of the block being carried out.
-  CompensationMode mode_of(const Executor& ex) const;
+  /// The plane's axes and the tool of the block being carried out; valid until it is asked for again.
+  const CompensationMode& mode_of(const Executor& ex);
 
   /// Before a block: what it emits first is made where it will wait.
   void open_intake(Executor& ex);
@@ -113,7 +115,7 @@ class Pipeline {
   };
 
   EntryPtr fresh();
-  void recycle(EntryPtr entry);
+  void recycle(EntryPtr&& entry);
   void describe(const Executor& ex, Entry& entry);
   // stage 1 (pipeline.cpp)
   void corners(Executor& ex, EntryPtr&& entry);
@@ -139,7 +141,8 @@ class Pipeline {
   void send_entry(Executor& ex, EntryPtr&& entry);
   void displace(const Executor& ex, Motion& motion, const CompensationMode& mode, comp::Point by) const;
   void send_corner(Executor& ex, const Entry& block, const comp::Vectors& vectors);
-  /// What parameters say about compensation: read once for each state of the machine data.
+  /// What parameters say about compensation: read once for each state of the machine data, by mode_of(), which stands
+  /// at the head of take().
   struct Settings {
     bool read = false;
     std::uint64_t version = 0;
@@ -149,8 +152,7 @@ class Pipeline {
     double near_mm = 0;
     int read_ahead = 3;
   };
-  /// At the head of take(), so that `settings_` holds below it.
-  const Settings& read_settings(const Executor& ex) const;
+  void read_settings(const Executor& ex);
 
   void send(Executor& ex, Operation&& op);
   Operation& place(Executor& ex);
@@ -165,7 +167,18 @@ class Pipeline {
   EntryPtr intake_;
   Operation* caller_ = nullptr;  ///< where Executor::out pointed before open_intake()
 
-  mutable Settings settings_;
+  Settings settings_;
+  CompensationMode mode_;  ///< of the last block, and what it was made of:
+  struct {
+    bool read = false;
+    Plane plane = Plane::xy;
+    int first = 0, second = 0;
+    int side = 0;
+    bool again = false;
+    std::int64_t number = 0;
+    double value = 0;
+    int tip = 0;
+  } mode_from_;
 
   // the block being taken
   CornerRequest request_;
@@ -205,6 +218,12 @@ class Pipeline {
 };
 
 /// @return nullptr when it is no motion.
-Motion* motion_in(Operation& operation);
+inline Motion* motion_in(Operation& operation) {
+  if (auto* feed = std::get_if<Feed>(&operation)) return feed;
+  if (auto* rapid = std::get_if<Rapid>(&operation)) return rapid;
+  if (auto* arc = std::get_if<Arc>(&operation)) return arc;
+  if (auto* thread = std::get_if<Thread>(&operation)) return thread;
+  return std::get_if<Tap>(&operation);
+}
 
 }  // namespace headstock::interp

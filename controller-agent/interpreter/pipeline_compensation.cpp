@@ -41,34 +41,47 @@ void slow_inner_arc(const Executor& ex, Operation& operation, double programmed_
 
 }  // namespace
 
-CompensationMode Pipeline::mode_of(const Executor& ex) const {
+// Blocks in a row have the same mode: it is made again only when something of what it is made of is another.
+const CompensationMode& Pipeline::mode_of(const Executor& ex) {
+  if (!settings_.read || settings_.version != ex.data.version) read_settings(ex);
+  const auto& rules = ex.dialect.compensation;
+  const auto plane = ex.plane_axes();
+  const int side = no_compensation_ ? 0 : side_;
+  const std::int64_t number = side == 0 ? 0 : rules.by_d ? d_number : ex.modal.offset;
+  double value = 0;
+  int tip = 0;
+  if (number > 0 && number < static_cast<std::int64_t>(ex.data.tools.size())) {
+    const ToolOffset& tool = ex.data.tools[static_cast<std::size_t>(number)];
+    value = settings_.one_value ? tool_offset::length_value(ex, number) : tool.radius + tool.radius_wear;
+    tip = tool.tip;
+  }
+  auto& from = mode_from_;
+  if (from.read && !ex.transform.active() && from.value == value && from.number == number && from.side == side &&
+      from.again == again_ && from.tip == tip && from.plane == ex.plane && from.first == plane.first &&
+      from.second == plane.second) {
+    return mode_;
+  }
+  // What a mirrored plane reverses depends on more than this.
+  from = {!ex.transform.active(), ex.plane, plane.first, plane.second, side, again_, number, value, tip};
+
   CompensationMode mode;
   mode.plane = ex.plane;
-  const auto plane = ex.plane_axes();
   mode.first = static_cast<std::uint8_t>(plane.first < 0 ? 0 : plane.first);
   mode.second = static_cast<std::uint8_t>(plane.second < 0 ? 0 : plane.second);
-  if (side_ == 0 || no_compensation_) return mode;
-  const auto& rules = ex.dialect.compensation;
-  const std::int64_t number = rules.by_d ? d_number : ex.modal.offset;
-  mode.again = again_;
-  mode.asked = true;
+  mode.asked = side != 0;
+  mode.again = mode.asked && again_;
   mode.wanted = number > 0;
-  if (!mode.wanted || number >= static_cast<std::int64_t>(ex.data.tools.size())) return mode;
-  const ToolOffset& tool = ex.data.tools[static_cast<std::size_t>(number)];
-  const Settings& set = read_settings(ex);
-  const double value = set.one_value ? tool_offset::length_value(ex, number) : tool.radius + tool.radius_wear;
   // In a plane that is mirrored the tool is on the other side, as arcs turn the other way.
-  const int side = ex.transform.reverses(mode.first, mode.second) ? -side_ : side_;
-  mode.radius = side * (set.diameter ? value / 2 : value);
-  if (ex.dialect.tools.lathe && tool.tip > 0 && tool.tip < 9 &&
-      (rules.tips_in_all_planes || ex.plane == Plane::zx)) {
-    mode.tip = kTips[tool.tip] * std::fabs(mode.radius);
+  const int tool_side = ex.transform.reverses(mode.first, mode.second) ? -side : side;
+  mode.radius = tool_side * (settings_.diameter ? value / 2 : value);
+  if (ex.dialect.tools.lathe && tip > 0 && tip < 9 && (rules.tips_in_all_planes || ex.plane == Plane::zx)) {
+    mode.tip = kTips[tip] * std::fabs(mode.radius);
   }
-  return mode;
+  mode_ = mode;
+  return mode_;
 }
 
-const Pipeline::Settings& Pipeline::read_settings(const Executor& ex) const {
-  if (settings_.read && settings_.version == ex.data.version) return settings_;
+void Pipeline::read_settings(const Executor& ex) {
   const auto& rules = ex.dialect.compensation;
   const auto& data = ex.data;
   Settings s;
@@ -89,7 +102,7 @@ const Pipeline::Settings& Pipeline::read_settings(const Executor& ex) const {
   const double ahead = data.parameter(rules.read_ahead_parameter, kReadAhead);
   s.read_ahead = ahead >= 3 && ahead <= 8 ? static_cast<int>(ahead) : kReadAhead;
   settings_ = s;
-  return settings_;
+  mode_from_.read = false;
 }
 
 void Pipeline::written(int side, bool same_as_before) {
@@ -304,7 +317,7 @@ Pipeline::Closed Pipeline::close_last(Executor& ex, Vectors& end, const Entry* n
   has_previous_ = true;
   has_last_ = false;
   corner_ = end;
-  between_.swap(after_);
+  if (!between_.empty() || !after_.empty()) between_.swap(after_);
   return Closed::good;
 }
 

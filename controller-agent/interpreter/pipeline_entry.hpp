@@ -36,9 +36,9 @@ struct PipelineEntry : PipelineKnown {
 
   /// Used again: nothing is known yet. What describe() and take() fill in for every motion stays as it is.
   void begin() {
-    request = {};
+    if (request.asked()) request = {};
     start_vector = {};
-    vector = {};
+    vector.given = false;
     role = Role::body;
     motion = plane_move = zero_move = lifted = free_start = after_gap = false;
   }
