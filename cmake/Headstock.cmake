@@ -28,6 +28,13 @@ if(HEADSTOCK_FUZZ)
   target_compile_options(headstock_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
+if(HEADSTOCK_TOGETHER AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  find_program(GOLD ld.gold)
+  if(GOLD)  # links in half the time
+    add_link_options(-fuse-ld=gold)
+  endif()
+endif()
+
 # The headers that nearly every source of a kind reads, read once for all of them: headstock_common_headers(NAME LEVEL HEADER
 # [LIBRARY]) makes them for targets compiled with -O<LEVEL> that use LIBRARY. A source includes what it uses all the same: an
 # ordinary build has none.

@@ -1,13 +1,16 @@
 #include "db/store.hpp"
 
-#include <spdlog/spdlog.h>
-
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_awaitable.hpp>
 #include <future>
 
 #include "db/migrations.hpp"
+#include "protocol/process/log.hpp"
 
 namespace headstock::db {
 namespace {
+
+namespace asio = boost::asio;
 
 std::unique_ptr<Database> open_in(const std::filesystem::path& folder, const std::string& connection) {
   std::error_code error;
@@ -22,6 +25,22 @@ std::unique_ptr<Database> open_in(const std::filesystem::path& folder, const std
 
 }  // namespace
 
+void Pool::post(std::function<void()> function) {
+  asio::post(threads_, std::move(function));
+}
+
+asio::awaitable<void> Pool::done(const std::shared_ptr<Work>& work) {
+  const auto begin = [this, &work](auto handler) {
+    auto home =
+        asio::prefer(asio::get_associated_executor(handler), asio::execution::outstanding_work.tracked);
+    asio::post(threads_, [home, work, back = std::move(handler)]() mutable {
+      work->work();
+      asio::post(home, std::move(back));
+    });
+  };
+  co_await asio::async_initiate<const asio::use_awaitable_t<>&, void()>(begin, asio::use_awaitable);
+}
+
 Store::Store(const std::filesystem::path& data_folder, const std::string& connection)
     : database_(open_in(data_folder, connection)) {}
 
@@ -34,7 +53,7 @@ void Store::post(const char* what, std::function<void(Database&)> function) {
     try {
       function(*database_);
     } catch (const std::exception& error) {
-      spdlog::error("store: {}: {}", what, error.what());
+      log::error("store: {}: {}", what, error.what());
     }
   });
 }

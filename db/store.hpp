@@ -3,9 +3,7 @@
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/post.hpp>
 #include <boost/asio/thread_pool.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <exception>
 #include <filesystem>
 #include <functional>
@@ -37,66 +35,58 @@ class Pool {
   boost::asio::awaitable<std::invoke_result_t<std::decay_t<F>&>> run(F&& function) {
     static_assert(kSurvivesAwait<F>,
                   "GCC 12: give this lambda a name before the co_await expression, then pass the name");
-    return carry_out(std::make_shared<Job<std::decay_t<F>>>(std::forward<F>(function)));
+    using Result = std::invoke_result_t<std::decay_t<F>&>;
+    return answer(std::shared_ptr<Answer<Result>>(
+        std::make_shared<Job<std::decay_t<F>, Result>>(std::forward<F>(function))));
   }
 
   /// Fire and forget, in order when the pool has one thread. `f` must not throw.
-  template <class F>
-  void post(F function) {
-    boost::asio::post(threads_, std::move(function));
-  }
+  void post(std::function<void()> function);
   /// Finishes what has been posted; nothing runs afterwards.
   void join() { threads_.join(); }
 
  private:
-  template <class F>
-  struct Job {
-    using Result = std::invoke_result_t<F&>;
+  // A job in three layers, so that the machinery of threads and coroutines is compiled once, a coroutine once
+  // for each kind of result, and for each of several hundred functions only what calls it.
+  struct Work {
+    virtual ~Work() = default;
+    virtual void work() noexcept = 0;
+  };
+  template <class Result>
+  struct Answer : Work {
+    std::optional<std::conditional_t<std::is_void_v<Result>, bool, Result>> result;
+    std::exception_ptr error;
+  };
+  template <class F, class Result>
+  struct Job final : Answer<Result> {
     template <class G>
     explicit Job(G&& the_function) : function(std::forward<G>(the_function)) {}
 
-    void operator()() noexcept {
+    void work() noexcept override {
       try {
         if constexpr (std::is_void_v<Result>) {
           function();
-          result.emplace(true);
+          this->result.emplace(true);
         } else {
-          result.emplace(function());
+          this->result.emplace(function());
         }
       } catch (...) {
-        error = std::current_exception();
+        this->error = std::current_exception();
       }
     }
 
     F function;
-    std::optional<std::conditional_t<std::is_void_v<Result>, bool, Result>> result;
-    std::exception_ptr error;
   };
 
-  /// Hands the job to the pool and resumes the caller on its own executor when it is done.
-  template <class F>
-  struct Start {
-    boost::asio::thread_pool& threads;
-    std::shared_ptr<Job<F>> job;
+  /// Hands the work to the pool and resumes the caller on its own executor when it is done.
+  boost::asio::awaitable<void> done(const std::shared_ptr<Work>& work);
 
-    template <class Handler>
-    void operator()(Handler handler) const {
-      auto home = boost::asio::prefer(boost::asio::get_associated_executor(handler),
-                                      boost::asio::execution::outstanding_work.tracked);
-      boost::asio::post(threads, [home, work = job, back = std::move(handler)]() mutable {
-        (*work)();
-        boost::asio::post(home, std::move(back));
-      });
-    }
-  };
-
-  template <class F>
-  boost::asio::awaitable<typename Job<F>::Result> carry_out(std::shared_ptr<Job<F>> job) {
-    Start<F> start{threads_, job};
-    co_await boost::asio::async_initiate<const boost::asio::use_awaitable_t<>&, void()>(
-        std::move(start), boost::asio::use_awaitable);
+  template <class Result>
+  boost::asio::awaitable<Result> answer(std::shared_ptr<Answer<Result>> job) {
+    const std::shared_ptr<Work> work = job;
+    co_await done(work);
     if (job->error) std::rethrow_exception(job->error);
-    if constexpr (!std::is_void_v<typename Job<F>::Result>) co_return std::move(*job->result);
+    if constexpr (!std::is_void_v<Result>) co_return std::move(*job->result);
   }
 
   boost::asio::thread_pool threads_;

@@ -1,7 +1,5 @@
 #include "agent/agent.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -12,6 +10,7 @@
 #include "agent/panel_server.hpp"
 #include "link/live_json.hpp"
 #include "link/program_request.hpp"
+#include "protocol/process/log.hpp"
 #include "protocol/wire/reasons.hpp"
 
 namespace headstock::agent {
@@ -31,7 +30,7 @@ std::unique_ptr<link::Spool> open_spool(const std::filesystem::path& file, bool 
                                "this one for rescue, start with --set-aside-damaged.");
     }
     const auto kept = link::Spool::set_aside(file);
-    spdlog::error("{}; it was set aside as {}", damaged.what(), kept.string());
+    log::error("{}; it was set aside as {}", damaged.what(), kept.string());
     return std::make_unique<link::Spool>(file);
   }
 }
@@ -81,7 +80,7 @@ Agent::Agent(AgentOptions options)
   desk_ = std::make_unique<DataDesk>(*controller_, *spool_);
   const SelectedProgram last = read_selected(*spool_);
   if (!last.name.empty() && select(last.name, operation::Origin::panel).accepted && selected_.sha256 != last.sha256) {
-    spdlog::warn("the selected program {} is not the same as before the restart", last.name);
+    log::warning("the selected program {} is not the same as before the restart", last.name);
   }
   memory_->in_use([this](const std::string& name) {
     const operation::Live now = controller_->live();
@@ -121,7 +120,7 @@ void Agent::run() {
   clock_ = std::make_unique<MachineClock>(*controller_, options_.clock);
   panel_->start();
   if (link_) link_->start();
-  spdlog::info("{} ({}), period {} us, {} axes, {} drives", machine_.name, machine_.profile, machine_.period_us,
+  log::info("{} ({}), period {} us, {} axes, {} drives", machine_.name, machine_.profile, machine_.period_us,
                machine_.axes.size(), machine_.drive);
   io_.run();
   // The axes come to rest inside their limits before the clock stops.
@@ -151,14 +150,14 @@ operation::CommandResult Agent::command(const operation::Command& command, const
   operation::Command named = command;
   named.user = user;
   const auto result = controller_->command(named);
-  spdlog::info("{} from {}: {}", link::action_name(command.action), user,
+  log::info("{} from {}: {}", link::action_name(command.action), user,
                result.accepted ? "accepted" : "refused, " + result.reason);
   return result;
 }
 
 operation::CommandResult Agent::select(const std::string& name, const std::string& user) {
   const auto result = select(name, operation::Origin::network);
-  spdlog::info("select {} from {}: {}", name, user, result.accepted ? "accepted" : "refused, " + result.reason);
+  log::info("select {} from {}: {}", name, user, result.accepted ? "accepted" : "refused, " + result.reason);
   return result;
 }
 
@@ -190,7 +189,7 @@ operation::CommandResult Agent::open_stream(const std::string& name, const std::
 }
 
 void Agent::request_answered(const std::string& name, const operation::CommandResult& answer) {
-  spdlog::info("the server was asked for {}: {}", name, answer.accepted ? "it comes" : answer.reason);
+  log::info("the server was asked for {}: {}", name, answer.accepted ? "it comes" : answer.reason);
   request_answer_ = answer.reason;
   if (!answer.accepted) requested_.clear();
 }
@@ -213,13 +212,13 @@ void Agent::events_committed() {
 }
 
 void Agent::link_up(const link::ServerSettings& settings) {
-  spdlog::info("connected to the server as machine {}", settings.machine);
+  log::info("connected to the server as machine {}", settings.machine);
 }
 
 void Agent::link_lost(const std::string& reason) {
   controller_->link_lost();
   requested_.clear();
-  spdlog::warn("link to the server lost: {}; remote operation is no longer armed", reason);
+  log::warning("link to the server lost: {}; remote operation is no longer armed", reason);
 }
 
 std::string Agent::panel(const std::string& request) {
@@ -256,12 +255,12 @@ std::string Agent::panel(const std::string& request) {
   if (verb == "select") return answer_json(select(text("name"), operation::Origin::panel)).dump();
   if (verb == "set_value" || verb == "measured_value") {
     const auto result = desk_->write_here(text("name"), verb == "set_value" ? "panel" : "measurement");
-    spdlog::info("{} at the panel: {}", text("name"), result.accepted ? "written" : "refused, " + result.reason);
+    log::info("{} at the panel: {}", text("name"), result.accepted ? "written" : "refused, " + result.reason);
     return answer_json({result.accepted, result.reason}).dump();
   }
   if (verb == "touch") {
     const auto result = desk_->touch_here(text("name"));
-    spdlog::info("{} touched at the panel: {}", text("name"), result.accepted ? "written" : "refused, " + result.reason);
+    log::info("{} touched at the panel: {}", text("name"), result.accepted ? "written" : "refused, " + result.reason);
     return answer_json({result.accepted, result.reason}).dump();
   }
   if (verb == "get_value") {
@@ -271,7 +270,7 @@ std::string Agent::panel(const std::string& request) {
   }
   if (verb == "parameter_write") {
     const auto result = desk_->parameter_write(asked.value("value", json(0)) != json(0));
-    spdlog::warn("parameters may be written: {}", desk_->parameter_write());
+    log::warning("parameters may be written: {}", desk_->parameter_write());
     return answer_json(result).dump();
   }
   if (verb == "load") {
@@ -285,7 +284,7 @@ std::string Agent::panel(const std::string& request) {
   }
   if (const auto by_hand = manual_->carry_out(verb, asked)) {
     if (verb != "jog" || !by_hand->accepted)
-      spdlog::info("{} at the panel: {}", request, by_hand->accepted ? "accepted" : "refused, " + by_hand->reason);
+      log::info("{} at the panel: {}", request, by_hand->accepted ? "accepted" : "refused, " + by_hand->reason);
     return answer_json(*by_hand).dump();
   }
   if (verb == "request") {
@@ -300,14 +299,14 @@ std::string Agent::panel(const std::string& request) {
   if (verb == "dnc_input") {
     const bool on = asked.contains("value") && asked["value"].is_number() && asked["value"].get<double>() != 0;
     const auto switched = switch_dnc(on);
-    spdlog::info("DNC input {} at the panel: {}", on ? "on" : "off", switched.accepted ? "done" : switched.reason);
+    log::info("DNC input {} at the panel: {}", on ? "on" : "off", switched.accepted ? "done" : switched.reason);
     return answer_json(switched).dump();
   }
   operation::Action action{};
   if (!link::action_from_name(verb, action)) return answer_json({false, "unknown_command"}).dump();
   const double value = asked.contains("value") && asked["value"].is_number() ? asked["value"].get<double>() : 0;
   const auto result = controller_->command({action, operation::Origin::panel, value});
-  spdlog::info("{} at the panel: {}", verb, result.accepted ? "accepted" : "refused, " + result.reason);
+  log::info("{} at the panel: {}", verb, result.accepted ? "accepted" : "refused, " + result.reason);
   return answer_json(result).dump();
 }
 

@@ -1,7 +1,5 @@
 #include "agent/dnc_input.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <array>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -9,6 +7,7 @@
 #include <utility>
 
 #include "agent/listening_port.hpp"
+#include "protocol/process/log.hpp"
 #include "protocol/serial/reader.hpp"
 #include "protocol/wire/digest.hpp"
 
@@ -117,7 +116,7 @@ struct DncInput::Impl final : serial::PortListener, std::enable_shared_from_this
   }
   void on_writable() override { pump(); }
   void on_closed(const std::string& why, const std::string& text) override {
-    spdlog::error("DNC input: {}: {} {}", settings.port, why, text);
+    log::error("DNC input: {}: {} {}", settings.port, why, text);
     {
       const std::scoped_lock lock(mutex);
       open = false;
@@ -227,7 +226,7 @@ struct DncInput::Impl final : serial::PortListener, std::enable_shared_from_this
       reader.stop();
       to_write += reader.take_output();
       last.outcome = outcome.empty() ? "drained" : outcome;
-      spdlog::info("DNC input: {} characters, sha256 {}, {}", last.bytes, last.sha256, last.outcome);
+      log::info("DNC input: {} characters, sha256 {}, {}", last.bytes, last.sha256, last.outcome);
       state = State::ready;
     }
     timer.cancel();

@@ -1,10 +1,10 @@
 #include "agent/listening_port.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <array>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
+
+#include "protocol/process/log.hpp"
 
 namespace headstock::agent {
 namespace {
@@ -38,7 +38,7 @@ class ListeningPort final : public std::enable_shared_from_this<ListeningPort> {
         return std::exchange(self->listener_, nullptr)->on_closed(reason, error.message());
       }
       const auto port = self->acceptor_.local_endpoint().port();
-      spdlog::info("DNC input: listening on {}:{}", self->address_, port);
+      log::info("DNC input: listening on {}:{}", self->address_, port);
       self->listener_->on_open();
       if (self->listener_ != nullptr) self->accept();
     });
@@ -70,7 +70,7 @@ class ListeningPort final : public std::enable_shared_from_this<ListeningPort> {
       if (self->listener_ == nullptr) return;
       if (error) return;
       if (self->peer_.is_open()) {
-        spdlog::warn("DNC input: a second sender was turned away");
+        log::warning("DNC input: a second sender was turned away");
         socket.close(error);
       } else {
         self->peer_ = std::move(socket);

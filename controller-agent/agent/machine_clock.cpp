@@ -2,12 +2,13 @@
 
 #include <pthread.h>
 #include <sched.h>
-#include <spdlog/spdlog.h>
 #include <sys/mman.h>
 #include <time.h>
 
 #include <chrono>
 #include <cstring>
+
+#include "protocol/process/log.hpp"
 
 namespace headstock::agent {
 namespace {
@@ -33,10 +34,10 @@ bool ask_for_real_time() {
   param.sched_priority = kPriority;
   const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
   if (refused) {
-    spdlog::warn("real-time scheduling is not permitted ({}): periods may come late; they are counted and shown",
+    log::warning("real-time scheduling is not permitted ({}): periods may come late; they are counted and shown",
                  std::strerror(refused));
   }
-  if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) spdlog::warn("memory could not be locked: {}", std::strerror(errno));
+  if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) log::warning("memory could not be locked: {}", std::strerror(errno));
   return refused == 0;
 }
 

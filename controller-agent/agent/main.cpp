@@ -1,7 +1,5 @@
 // `headstock-agent`: the CNC of one machine; and `headstock-agent panel`, its buttons.
 #include <signal.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <boost/asio/signal_set.hpp>
@@ -9,6 +7,7 @@
 
 #include "agent/agent.hpp"
 #include "agent/panel_client.hpp"
+#include "protocol/process/log.hpp"
 
 namespace {
 
@@ -48,7 +47,7 @@ void read_setting(const std::string& text, headstock::interp::Switches& switches
 
 int run_agent(const AgentOptions& options) {
   // An agent logs to stderr: its service manager keeps the log.
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("agent"));
+  headstock::log::send_to(headstock::log::Target::standard_error);
   try {
     headstock::agent::Agent agent(options);
     boost::asio::signal_set signals(agent.io(), SIGINT, SIGTERM);

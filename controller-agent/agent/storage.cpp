@@ -1,12 +1,11 @@
 #include "agent/storage.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <chrono>
 #include <vector>
 
 #include "agent/retained.hpp"
 #include "link/live_json.hpp"
+#include "protocol/process/log.hpp"
 
 namespace headstock::agent {
 namespace {
@@ -67,7 +66,7 @@ bool Storage::commit_some() {
       break;
     } catch (const link::SpoolError& error) {
       // The controller waits at the end of its cycle until this has worked: a part is late, never lost.
-      spdlog::error("cannot store on this machine's disk, trying again: {}", error.what());
+      log::error("cannot store on this machine's disk, trying again: {}", error.what());
       std::this_thread::sleep_for(kRetry);
       if (thread_.get_stop_token().stop_requested()) return false;
     }

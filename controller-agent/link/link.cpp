@@ -1,7 +1,5 @@
 #include "link/link.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <atomic>
 #include <boost/asio/as_tuple.hpp>
@@ -15,6 +13,7 @@
 #include <random>
 
 #include "link/session.hpp"
+#include "protocol/process/log.hpp"
 #include "protocol/wire/digest.hpp"
 #include "protocol/wire/tls.hpp"
 
@@ -79,9 +78,9 @@ void Link::Impl::show(bool connected, std::string detail) {
   const std::scoped_lock lock(status_mutex);
   if (status.detail != detail) {
     if (connected)
-      spdlog::info("link: {}", detail);
+      log::info("link: {}", detail);
     else
-      spdlog::warn("link: {}", detail);
+      log::warning("link: {}", detail);
   }
   status.connected = connected;
   status.detail = std::move(detail);
@@ -228,7 +227,7 @@ asio::awaitable<void> Link::Impl::enrol() {
     if (const std::string wrong = wire::decode(frame.body, enrolled); !wrong.empty())
       throw std::runtime_error("enrolment: " + wrong);
     parts->identity.store({key, enrolled.certificate_pem, ca_pem});
-    spdlog::info("link: enrolled as machine {} \"{}\"", enrolled.machine, enrolled.machine_name);
+    log::info("link: enrolled as machine {} \"{}\"", enrolled.machine, enrolled.machine_name);
     connection->close("enrolled");
     co_return;
   }

@@ -1,12 +1,11 @@
 #include "link/session.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 
 #include "link/live_json.hpp"
+#include "protocol/process/log.hpp"
 #include "protocol/wire/digest.hpp"
 #include "protocol/wire/expect.hpp"
 
@@ -253,7 +252,7 @@ void Session::send_census() {
   if (body.size() <= wire::kMaxControlBytes)
     connection_->send(Type::census, 0, body);
   else
-    spdlog::warn("link: {} resident programs are too many for one census", parts_->memory.census().size());
+    log::warning("link: {} resident programs are too many for one census", parts_->memory.census().size());
 }
 
 void Session::sample_trail() {
@@ -318,12 +317,12 @@ void Session::on_renewed(const wire::Enrolled& enrolled) {
     const auto info = wire::read_certificate(enrolled.certificate_pem);
     if (info.common_name !=
         wire::read_certificate(parts_->identity.credentials().certificate_pem).common_name)
-      return spdlog::error("link: the renewed certificate is for {}, not taken", info.common_name);
+      return log::error("link: the renewed certificate is for {}, not taken", info.common_name);
     parts_->identity.store_renewed(
         {std::exchange(renewal_key_, {}), enrolled.certificate_pem, parts_->identity.credentials().ca_pem});
     connection_->send(Type::certificate_stored, 0, wire::encode(wire::CertificateStored{info.serial_hex}));
   } catch (const wire::CertificateError& bad) {
-    spdlog::error("link: the renewed certificate cannot be used: {}", bad.what());
+    log::error("link: the renewed certificate cannot be used: {}", bad.what());
   }
 }
 

@@ -1,10 +1,10 @@
 // Offsets, parameters and variables on the link: the report of what the machine has, and what is written to
 // it.
-#include <spdlog/spdlog.h>
 
 #include <nlohmann/json.hpp>
 
 #include "link/session.hpp"
+#include "protocol/process/log.hpp"
 #include "protocol/wire/digest.hpp"
 
 namespace headstock::link {
@@ -32,7 +32,7 @@ void Session::report_data() {
                                               (report.value("parameter_write", false) ? "+" : "-"));
   if (digest == reported_values_) return;
   reported_values_ = digest;
-  if (body.size() > wire::kMaxControlBytes) return spdlog::error("link: too many values for one report");
+  if (body.size() > wire::kMaxControlBytes) return log::error("link: too many values for one report");
   connection_->send(Type::data_report, 0, body);
 }
 

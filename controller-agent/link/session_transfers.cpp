@@ -1,10 +1,10 @@
 // Programs over one connection: into the memory, back from it, and drip-fed.
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <boost/asio/co_spawn.hpp>
 
 #include "link/session.hpp"
+#include "protocol/process/log.hpp"
 #include "protocol/wire/digest.hpp"
 
 namespace headstock::link {
@@ -167,7 +167,7 @@ void Session::on_cancel(const wire::TransferCancel& cancel) {
     if (put.transfer == cancel.transfer) return finish_put(stream, false, "cancelled");
   const auto& drips = parts_->transfers.drips;
   if (const auto found = drips.find(cancel.transfer); found != drips.end()) {
-    spdlog::warn("link: drip-feed {} ended by the server: {}", cancel.transfer, cancel.reason);
+    log::warning("link: drip-feed {} ended by the server: {}", cancel.transfer, cancel.reason);
     found->second.feed->fail(cancel.reason.empty() ? "cancelled" : cancel.reason);
     drips_changed();
   }

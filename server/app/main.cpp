@@ -3,10 +3,10 @@
 #include <iostream>
 
 #include <CLI/CLI.hpp>
-#include <spdlog/spdlog.h>
 
 #include "generated/version.hpp"
 #include "db/refusal.hpp"
+#include "protocol/process/log.hpp"
 #include "server/app/shop.hpp"
 #include "server/backup/server_backup.hpp"
 
@@ -86,14 +86,14 @@ int main(int argc, char** argv) {
     const int status = cli.exit(error);
     return status == 0 ? 0 : StartError::usage;
   }
-  spdlog::set_level(spdlog::level::from_str(log_level));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
+  headstock::log::send_to(headstock::log::Target::standard_output);
+  headstock::log::leave_out_below(log_level);
   if (!archive.empty()) return restore(options, archive);
   try {
     Shop shop(options);
     shop.start();
     shop.run(Shop::Signals::watch, [&] { greet(shop, options); });
-    spdlog::info("stopped");
+    headstock::log::info("stopped");
     return 0;
   } catch (const StartError& error) {
     std::cerr << "headstock-server: " << error.what() << "\n";

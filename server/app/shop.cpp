@@ -10,13 +10,13 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <spdlog/spdlog.h>
 
 #include "db/blobs.hpp"
 #include "db/refusal.hpp"
 #include "db/store.hpp"
 #include "db/time.hpp"
 #include "db/user_store.hpp"
+#include "protocol/process/log.hpp"
 #include "server/access/accounts.hpp"
 #include "server/access/view_tokens.hpp"
 #include "server/api/events/socket.hpp"
@@ -73,7 +73,7 @@ auto logged(const char* what) {
     try {
       std::rethrow_exception(error);
     } catch (const std::exception& problem) {
-      spdlog::error("{}: {}", what, problem.what());
+      log::error("{}: {}", what, problem.what());
     }
   };
 }
@@ -360,7 +360,7 @@ awaitable<void> Shop::Impl::tick() {
       asio::co_spawn(io, notifier.look(), logged("messages"));
       if (seconds % 60 == 30) asio::co_spawn(io, backups.every_minute(), logged("backups and retention"));
     } catch (const std::exception& error) {
-      spdlog::error("the second's work failed: {}", error.what());
+      log::error("the second's work failed: {}", error.what());
     }
   }
 }
@@ -372,7 +372,7 @@ awaitable<void> Shop::Impl::drain() {
     gateway.stop();
     dnc.stop();
   } catch (const std::exception& error) {
-    spdlog::error("stopping: {}", error.what());
+    log::error("stopping: {}", error.what());
   }
   work.reset();
   io.stop();
@@ -383,7 +383,7 @@ void Shop::Impl::begin_stop() {
   stopping = true;
   second.cancel();
   if (signals) signals->cancel();
-  spdlog::info("stopping: no new connections, finishing what is under way");
+  log::info("stopping: no new connections, finishing what is under way");
   asio::co_spawn(io, drain(), asio::detached);
 }
 
@@ -401,10 +401,10 @@ Shop::~Shop() = default;
 void Shop::start() {
   // Before a machine can ask for it, the gateway must know what it was sending when the last run ended.
   asio::co_spawn(impl_->io, impl_->distributor.resume(), [](std::exception_ptr error) {
-    if (error) spdlog::error("transfers of the last run could not be taken up again");
+    if (error) log::error("transfers of the last run could not be taken up again");
   });
   asio::co_spawn(impl_->io, impl_->dnc.start(), [](std::exception_ptr error) {
-    if (error) spdlog::error("the serial ports could not be read");
+    if (error) log::error("the serial ports could not be read");
   });
   impl_->io.run();
   impl_->io.restart();

@@ -1,7 +1,5 @@
 #include "server/backup/backups.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +9,7 @@
 #include "db/refusal.hpp"
 #include "db/store.hpp"
 #include "db/time.hpp"
+#include "protocol/process/log.hpp"
 #include "server/access/audit.hpp"
 #include "server/backup/archive.hpp"
 #include "server/backup/machine_backup.hpp"
@@ -293,7 +292,7 @@ awaitable<void> Backups::make_due_backup() {
   };
   if (!co_await store_.run(due)) co_return;
   const auto row = co_await make_server(access::Actor{});
-  spdlog::info("backup {} ({} MiB)", row.file, row.bytes >> 20);
+  log::info("backup {} ({} MiB)", row.file, row.bytes >> 20);
   const auto old_ones = [](db::Database& db) {
     const auto kept = retention_settings(db).backups_kept;
     std::vector<std::int64_t> ids;

@@ -1,12 +1,11 @@
 #include "server/dnc/agent_port.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <boost/asio/co_spawn.hpp>
 #include <charconv>
 #include <utility>
 
 #include "db/refusal.hpp"
+#include "protocol/process/log.hpp"
 #include "server/dnc/service.hpp"
 
 namespace headstock::dnc {
@@ -75,7 +74,7 @@ void Dnc::Impl::cancel_agent(const access::Actor& actor, const Unit& at) {
         co_await self->agents.cancel(actor, transfer);
       },
       [](std::exception_ptr error) {
-        if (error) spdlog::warn("a transfer to an agent could not be cancelled: it is over");
+        if (error) log::warning("a transfer to an agent could not be cancelled: it is over");
       });
 }
 

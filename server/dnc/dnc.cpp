@@ -1,7 +1,5 @@
 #include "server/dnc/dnc.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -11,6 +9,7 @@
 #include "db/refusal.hpp"
 #include "db/store.hpp"
 #include "db/time.hpp"
+#include "protocol/process/log.hpp"
 #include "server/dnc/agent_port.hpp"
 #include "server/dnc/ports.hpp"
 #include "server/dnc/service.hpp"
@@ -67,7 +66,7 @@ void Dnc::Impl::install(const db::PortRow& row, const std::optional<db::PortMeas
 void Dnc::Impl::on_state(std::int64_t port, PortState now) {
   Unit& at = unit(port);
   if (now.state == "failed" && at.now.state != "failed")
-    spdlog::warn("port {} ({}): {} {}", at.row.name, at.row.address, now.reason, now.text);
+    log::warning("port {} ({}): {} {}", at.row.name, at.row.address, now.reason, now.text);
   // A line that was lost ends the permission of what waits, even when nothing was under way.
   if (now.state == "failed" && !at.job) end_queue(at, "line_lost");
   at.now = std::move(now);

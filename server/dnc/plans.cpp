@@ -1,6 +1,5 @@
 // Sending at a time. The clock asks for nothing by itself: a plan is a person's wish, carried out with that
 // person's rights of the moment, on a port whose control has to ask before a character goes out.
-#include <spdlog/spdlog.h>
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -11,6 +10,7 @@
 #include "db/store.hpp"
 #include "db/time.hpp"
 #include "db/user_store.hpp"
+#include "protocol/process/log.hpp"
 #include "server/access/audit.hpp"
 #include "server/dnc/service.hpp"
 #include "server/library/programs.hpp"
@@ -97,7 +97,7 @@ void Dnc::Impl::watch_the_clock() {
     boost::asio::co_spawn(
         self->io, [self]() -> awaitable<void> { co_await self->look_at_plans(); },
         [self](std::exception_ptr failed) {
-          if (failed) spdlog::error("the plans of the ports could not be looked at");
+          if (failed) log::error("the plans of the ports could not be looked at");
           if (!self->stopped) self->watch_the_clock();
         });
   });
@@ -140,7 +140,7 @@ awaitable<void> Dnc::Impl::carry_out(db::PlanRow row) {
     row.state = "refused";
     row.reason = refusal.code();
   }
-  spdlog::info("plan {} of {}: {} {} {}", row.id, row.by, row.name, row.state, row.reason);
+  log::info("plan {} of {}: {} {} {}", row.id, row.by, row.name, row.state, row.reason);
   const auto put = [&row](db::Database& db) { db::update_plan(db, row); };
   co_await store.run(put);
   changed(row.port);

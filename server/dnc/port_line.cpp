@@ -1,7 +1,5 @@
 #include "server/dnc/port_line.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <atomic>
 #include <boost/asio/co_spawn.hpp>
@@ -11,6 +9,7 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <utility>
 
+#include "protocol/process/log.hpp"
 #include "protocol/serial/port/prompt_thread.hpp"
 #include "protocol/tape/code.hpp"
 
@@ -28,7 +27,7 @@ constexpr auto kOpenAgain = std::chrono::seconds(5);
 LineThread::LineThread() : work_(io_.get_executor()) {
   thread_ = std::thread([this] {
     if (!serial::serve_promptly())
-      spdlog::info(
+      log::info(
           "lines have no priority on this computer (RTPRIO limit): a DC3 may wait behind other work");
     io_.run();
   });

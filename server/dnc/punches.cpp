@@ -1,5 +1,4 @@
 // What comes in: a punch becomes records that wait for a person, a request is answered.
-#include <spdlog/spdlog.h>
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -10,6 +9,7 @@
 #include "db/program_store.hpp"
 #include "db/store.hpp"
 #include "db/time.hpp"
+#include "protocol/process/log.hpp"
 #include "server/dnc/received.hpp"
 #include "server/dnc/service.hpp"
 
@@ -46,7 +46,7 @@ void Dnc::Impl::on_receiving(std::int64_t port, const serial::ReceiveReport& rep
           found->second->starting = false;
           self->next_in_queue(*found->second);
         }
-        if (error) spdlog::error("a punch could not be put away");
+        if (error) log::error("a punch could not be put away");
         self->changed(port);
       });
 }
@@ -96,7 +96,7 @@ awaitable<void> Dnc::Impl::put_away(std::int64_t port, db::PortTransferRow row,
     transaction.commit();
   };
   co_await store.run(put);
-  spdlog::info("port {}: received {} characters, {}{}{}", port_row.name, row.bytes, row.state,
+  log::info("port {}: received {} characters, {}{}{}", port_row.name, row.bytes, row.state,
                row.reason.empty() ? "" : ", ", row.reason);
   if (asked.rule == nullptr) co_return;
   const RequestRule rule = *asked.rule;

@@ -1,5 +1,4 @@
 // What goes out: a wish is looked through, becomes a job, and its end a certificate.
-#include <spdlog/spdlog.h>
 
 #include <boost/asio/use_awaitable.hpp>
 #include <nlohmann/json.hpp>
@@ -11,6 +10,7 @@
 #include "db/refusal.hpp"
 #include "db/store.hpp"
 #include "db/time.hpp"
+#include "protocol/process/log.hpp"
 #include "server/access/audit.hpp"
 #include "server/dnc/service.hpp"
 #include "server/library/programs.hpp"
@@ -112,7 +112,7 @@ void Dnc::Impl::end_job(Unit& at) {
   // The hash of what was to be sent is the hash of what was sent only when all of it was.
   if (row.state != "done") row.wire_sha256.clear();
   write(row);
-  spdlog::info("port {}: {} {} {}, {} of {} characters{}{}", at.row.name, row.kind, row.name, row.state,
+  log::info("port {}: {} {} {}, {} of {} characters{}{}", at.row.name, row.kind, row.name, row.state,
                row.bytes, row.total, row.reason.empty() ? "" : ", ", row.reason);
   at.job.reset();
   at.ended_well = row.state == "done";

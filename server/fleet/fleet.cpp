@@ -1,7 +1,5 @@
 #include "server/fleet/fleet.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +8,7 @@
 #include "db/store.hpp"
 #include "db/time.hpp"
 #include "machine/machine.hpp"
+#include "protocol/process/log.hpp"
 #include "server/access/audit.hpp"
 #include "server/fleet/events.hpp"
 #include "server/fleet/live_table.hpp"
@@ -79,7 +78,7 @@ bool adopt_machine_file(db::Database& db, std::int64_t machine, const json& hell
   const std::string toml = text_of(hello, "machine_toml");
   if (!row || toml.empty() || toml == row->toml) return false;
   if (std::holds_alternative<machine::MachineError>(machine::parse_machine(toml, "machine", row->profile))) {
-    spdlog::warn("machine {}: the agent's machine file does not fit its profile {}", machine, row->profile);
+    log::warning("machine {}: the agent's machine file does not fit its profile {}", machine, row->profile);
     return false;
   }
   db::MachineRow changed = *row;
@@ -157,7 +156,7 @@ struct Fleet::Impl {
     for (const db::AlarmRow& alarm : intake.raised) publish_piece("alarm", alarm_json(alarm));
     for (const db::AlarmRow& alarm : intake.cleared) publish_piece("alarm", alarm_json(alarm));
     for (const std::string& complaint : intake.complaints)
-      spdlog::warn("machine {}: event {}", machine, complaint);
+      log::warning("machine {}: event {}", machine, complaint);
     Entry* entry = find(machine);
     if (entry == nullptr) return;
     for (const db::AlarmRow& alarm : intake.raised) entry->alarms.push_back(alarm);
@@ -325,7 +324,7 @@ void Fleet::connected(std::int64_t machine, const json& hello) {
 void Fleet::disconnected(std::int64_t machine, const std::string& reason) {
   Entry* entry = impl_->find(machine);
   if (entry == nullptr || !entry->connected) return;
-  spdlog::info("machine {} disconnected: {}", machine, reason);
+  log::info("machine {} disconnected: {}", machine, reason);
   const std::int64_t now = db::now_ms();
   entry->connected = false;
   entry->shown_unknown = true;
@@ -417,7 +416,7 @@ asio::awaitable<void> Fleet::data_report(std::int64_t machine, std::string spool
   co_await impl_->store.run(in_store);
   if (!alive.lock()) co_return;
   if (differences > 0)
-    spdlog::warn("machine {}: {} values are not what its events told; noted as found", machine, differences);
+    log::warning("machine {}: {} values are not what its events told; noted as found", machine, differences);
   if (Entry* entry = impl_->find(machine))
     entry->parameter_write = report.contains("parameter_write") && report["parameter_write"] == true;
   values_changed(machine);

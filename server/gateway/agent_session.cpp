@@ -1,11 +1,10 @@
 #include "server/gateway/agent_session.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 
+#include "protocol/process/log.hpp"
 #include "protocol/wire/certificates.hpp"
 #include "protocol/wire/expect.hpp"
 #include "protocol/wire/tls.hpp"
@@ -74,10 +73,10 @@ asio::awaitable<void> AgentSession::run() {
   tick_.notify();
   if (greeted_) {
     greeted_ = false;
-    spdlog::warn("gateway: machine {} at {} disconnected: {}", machine_, peer, reason);
+    log::warning("gateway: machine {} at {} disconnected: {}", machine_, peer, reason);
     owner_->gone(self);
   } else {
-    spdlog::warn("gateway: connection from {} ended: {}", peer, reason);
+    log::warning("gateway: connection from {} ended: {}", peer, reason);
   }
 }
 
@@ -108,7 +107,7 @@ asio::awaitable<void> AgentSession::enrol() {
     older->refuse("revoked", "the machine was enrolled again");
   connection_->send(Type::enrolled, 0,
                     wire::encode(wire::Enrolled{issued.pem, owner_->ca_pem(), machine, name}));
-  spdlog::info("gateway: machine {} \"{}\" enrolled from {}", machine, name, connection_->peer());
+  log::info("gateway: machine {} \"{}\" enrolled from {}", machine, name, connection_->peer());
   connection_->finish("enrolled");
 }
 
@@ -138,7 +137,7 @@ asio::awaitable<bool> AgentSession::takes_the_place() {
     co_await tick_.wait_for(milliseconds(20));
   if (owner_->stopped()) co_return false;
   if (older->open() && older->connection()->last_heard() >= asked) {
-    spdlog::error("gateway: machine {}: {} uses the identity of {}, which still answers", machine_,
+    log::error("gateway: machine {}: {} uses the identity of {}, which still answers", machine_,
                   connection_->peer(), older->connection()->peer());
     refuse("identity_in_use", "another agent with this certificate is connected");
     co_return false;
@@ -168,7 +167,7 @@ asio::awaitable<bool> AgentSession::greet() {
   spool_id_ = hello.spool_id;
   greeted_ = true;
   connection_->send(Type::welcome, 0, wire::encode(wire::Welcome{wire::kVersion, now_ms(), machine_, 0}));
-  spdlog::info("gateway: machine {} \"{}\" connected from {}", machine_, hello.name, connection_->peer());
+  log::info("gateway: machine {} \"{}\" connected from {}", machine_, hello.name, connection_->peer());
   asio::co_spawn(
       connection_->executor(), [self = shared_from_this()] { return self->store_loop(); }, asio::detached);
   owner_->greeted(shared_from_this(), hello);
@@ -345,7 +344,7 @@ void AgentSession::renew(const wire::Enrol& request) {
     connection_->send(Type::enrolled, 0,
                       wire::encode(wire::Enrolled{issued.pem, owner_->ca_pem(), machine_, ""}));
   } catch (const wire::CertificateError& bad) {
-    spdlog::error("gateway: machine {}: certificate not renewed: {}", machine_, bad.what());
+    log::error("gateway: machine {}: certificate not renewed: {}", machine_, bad.what());
   }
 }
 
@@ -356,9 +355,9 @@ asio::awaitable<void> AgentSession::certificate_stored(std::string serial) {
     if (owner_->stopped()) co_return;
     serial_ = serial;
     connection_->send(Type::certificate_current, 0, wire::encode(wire::CertificateStored{serial}));
-    spdlog::info("gateway: machine {}: certificate renewed", machine_);
+    log::info("gateway: machine {}: certificate renewed", machine_);
   } catch (const std::exception& error) {
-    spdlog::error("gateway: machine {}: certificate not renewed: {}", machine_, error.what());
+    log::error("gateway: machine {}: certificate not renewed: {}", machine_, error.what());
   }
 }
 

@@ -1,7 +1,5 @@
 #include "server/gateway/gateway.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
@@ -12,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "protocol/process/log.hpp"
 #include "server/gateway/gateway_impl.hpp"
 
 namespace headstock::server {
@@ -57,13 +56,13 @@ asio::awaitable<void> Gateway::Impl::accept_loop() {
     if (stopped_ || leaving) break;
     if (error) {
       // Out of descriptors, mostly: those who are connected go on, and room may come.
-      spdlog::error("gateway: cannot accept a connection: {}", error.message());
+      log::error("gateway: cannot accept a connection: {}", error.message());
       pause.expires_after(std::chrono::milliseconds(100));
       co_await pause.async_wait(kAsTuple);
       continue;
     }
     if (connections >= settings.connection_limit) {
-      spdlog::error("gateway: more than {} connections, the newest is closed", settings.connection_limit);
+      log::error("gateway: more than {} connections, the newest is closed", settings.connection_limit);
       continue;
     }
     const auto connection = std::make_shared<wire::Connection>(std::move(socket), tls);
@@ -92,7 +91,7 @@ asio::awaitable<void> Gateway::Impl::renewal_loop() {
       authority = wire::Authority(settings.pki_folder, settings.host_names);
       tls = wire::server_context(authority);
     } catch (const std::exception& error) {
-      spdlog::error("gateway: {}", error.what());
+      log::error("gateway: {}", error.what());
     }
   }
 }

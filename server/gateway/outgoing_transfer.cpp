@@ -1,12 +1,12 @@
 #include "server/gateway/outgoing_transfer.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
+
+#include "protocol/process/log.hpp"
 
 namespace headstock::server {
 namespace {
@@ -180,7 +180,7 @@ void OutgoingTransfer::cancel(const std::string& reason) {
 }
 
 void OutgoingTransfer::stop_sending(const std::string& reason) {
-  spdlog::error("transfer {} to machine {}: {}", state_.id, state_.machine, reason);
+  log::error("transfer {} to machine {}: {}", state_.id, state_.machine, reason);
   if (connection_)
     connection_->send(Type::transfer_cancel, stream_, wire::encode(wire::TransferCancel{state_.id, reason}));
   end("failed", reason);

@@ -1,6 +1,6 @@
 // What is asked over a session and answered later: commands, programs read back, programs a machine asks for.
-#include <spdlog/spdlog.h>
 
+#include "protocol/process/log.hpp"
 #include "protocol/wire/digest.hpp"
 #include "protocol/wire/expect.hpp"
 #include "server/gateway/agent_session.hpp"
@@ -93,11 +93,11 @@ asio::awaitable<void> AgentSession::program_requested(std::uint64_t request, std
   try {
     answer = co_await owner_->host().program_requested(machine_, name);
   } catch (const std::exception& error) {
-    spdlog::error("gateway: machine {} asked for {}: {}", machine_, name, error.what());
+    log::error("gateway: machine {} asked for {}: {}", machine_, name, error.what());
   }
   --requests_under_way_;
   if (owner_->stopped()) co_return;
-  spdlog::info("gateway: machine {} asked for {}: {}", machine_, name,
+  log::info("gateway: machine {} asked for {}: {}", machine_, name,
                answer.accepted ? "sent" : answer.reason);
   connection_->send(Type::request_answer, 0,
                     wire::encode(wire::CommandResult{request, answer.accepted, answer.reason}));

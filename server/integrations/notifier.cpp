@@ -1,11 +1,10 @@
 #include "server/integrations/notifier.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include "db/access_store.hpp"
 #include "db/refusal.hpp"
 #include "db/store.hpp"
 #include "db/time.hpp"
+#include "protocol/process/log.hpp"
 #include "server/access/audit.hpp"
 #include "server/integrations/alarm_rules.hpp"
 
@@ -91,7 +90,7 @@ awaitable<void> Notifier::look() {
   for (const db::NoticeRow& notice : due) {
     const auto send = [&settings, &notice] { return deliver(settings, notice.kind, notice.target, notice.body); };
     const std::string problem = co_await worker_.run(send);
-    if (!problem.empty()) spdlog::warn("message {} to {} was not delivered: {}", notice.id, notice.target, problem);
+    if (!problem.empty()) log::warning("message {} to {} was not delivered: {}", notice.id, notice.target, problem);
     const auto note = [&](db::Database& db) { delivered(db, notice, problem, db::now_ms()); };
     co_await store_.run(note);
   }

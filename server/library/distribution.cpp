@@ -1,7 +1,5 @@
 #include "server/library/distribution.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <chrono>
 #include <boost/asio/co_spawn.hpp>
@@ -15,6 +13,7 @@
 #include "db/refusal.hpp"
 #include "db/store.hpp"
 #include "db/time.hpp"
+#include "protocol/process/log.hpp"
 #include "server/access/audit.hpp"
 #include "server/library/checks.hpp"
 #include "server/library/programs.hpp"
@@ -157,7 +156,7 @@ struct Distributor::Impl : std::enable_shared_from_this<Distributor::Impl> {
     } catch (const db::Refusal& refusal) {
       reason = refusal.code();
     } catch (const std::exception& error) {
-      spdlog::error("transfer {}: {}", row.id, error.what());
+      log::error("transfer {}: {}", row.id, error.what());
       reason = "internal";
     }
     fail(row.id, reason);

@@ -5,7 +5,6 @@
 //
 //   bench_drip [MiB, default 256] [rounds, default 5]
 #include <signal.h>
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "protocol/process/log.hpp"
 #include "tests/bench/openssl_pair.hpp"
 #include "tests/bench/repeated_text.hpp"
 #include "tests/unit/link/shop.hpp"
@@ -93,7 +93,7 @@ double drip(std::uint64_t bytes, bool& identical) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  spdlog::set_level(spdlog::level::off);
+  headstock::log::leave_out_below("off");
   ::signal(SIGPIPE, SIG_IGN);
   const std::uint64_t bytes = (count > 1 ? std::strtoull(arguments[1], nullptr, 10) : 256) << 20;
   const int rounds = count > 2 ? std::max(1, std::atoi(arguments[2])) : 5;

@@ -3,7 +3,6 @@
 // one was starved or did not get exactly its program.
 //
 //   bench_drip_fleet [agents, default 200] [blocks a second, default 10000] [seconds, default 20]
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -15,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "protocol/process/log.hpp"
 #include "tests/bench/repeated_text.hpp"
 #include "tests/unit/link/shop.hpp"
 
@@ -67,7 +67,7 @@ struct Demand {
 }  // namespace
 
 int main(int count, char** arguments) {
-  spdlog::set_level(spdlog::level::off);
+  headstock::log::leave_out_below("off");
   const int agents_wanted = count > 1 ? std::atoi(arguments[1]) : 200;
   const double rate = count > 2 ? std::atof(arguments[2]) : 10'000;
   const double seconds = count > 3 ? std::atof(arguments[3]) : 20;

@@ -6,7 +6,6 @@
 //
 // One agent a token (one token a line). With --folder the agents keep their certificates and need no tokens
 // the next time.
-#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <boost/asio/io_context.hpp>
@@ -24,6 +23,7 @@
 #include "link/live_json.hpp"
 #include "link/program_memory.hpp"
 #include "link/spool.hpp"
+#include "protocol/process/log.hpp"
 #include "tests/unit/temporary_folder.hpp"
 
 namespace {
@@ -112,7 +112,7 @@ int main(int count, char** arguments) {
   app.add_option("--folder", folder_name, "keeps certificates and spools; a temporary one otherwise");
   app.add_option("--seconds", seconds, "0: until interrupted");
   CLI11_PARSE(app, count, arguments);
-  spdlog::set_level(spdlog::level::err);
+  headstock::log::leave_out_below("error");
 
   std::vector<std::string> tokens;
   std::ifstream file(tokens_file);

@@ -5,9 +5,9 @@
 #include <boost/asio/detached.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <spdlog/spdlog.h>
 
 #include "db/time.hpp"
+#include "protocol/process/log.hpp"
 #include "server/api/events/hub.hpp"
 #include "server/fleet/fleet.hpp"
 
@@ -65,7 +65,7 @@ void collect(Session& session) {
     bool fits = session.outbox.put(change, session.wishes);
     if (fits && change.topic == "resync") fits = session.outbox.put(snapshot_of(session), Outbox::Kind::needed);
     if (!fits) {
-      spdlog::info("a browser was too slow for its events and was closed");
+      log::info("a browser was too slow for its events and was closed");
       session.end();
       return;
     }
@@ -100,7 +100,7 @@ awaitable<void> tick(std::shared_ptr<Session> session,
     if (session->over) break;
     const auto now = Clock::now();
     if (session->writing_since && now - *session->writing_since > stuck_after) {
-      spdlog::info("a browser stopped reading and was closed");
+      log::info("a browser stopped reading and was closed");
       break;
     }
     if (now - looked > look_again_after) {
@@ -109,7 +109,7 @@ awaitable<void> tick(std::shared_ptr<Session> session,
       try {
         still = co_await authenticate(who.token);
       } catch (const std::exception& error) {
-        spdlog::warn("a session could not be looked up: {}", error.what());
+        log::warning("a session could not be looked up: {}", error.what());
         continue;
       }
       if (still.role == Role::none) break;

@@ -8,8 +8,8 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
-#include <spdlog/spdlog.h>
 
+#include "protocol/process/log.hpp"
 #include "protocol/stream/byte_stream.hpp"
 #include "server/api/http/dispatch.hpp"
 
@@ -282,7 +282,7 @@ awaitable<void> serve_plain(tcp::socket socket, std::shared_ptr<Shared> shared) 
   try {
     co_await serve(ByteStream(std::move(socket), nullptr), shared);
   } catch (const std::exception& error) {
-    spdlog::warn("a connection ended: {}", error.what());
+    log::warning("a connection ended: {}", error.what());
   }
 }
 
@@ -298,7 +298,7 @@ awaitable<void> serve_tls(tcp::socket socket, asio::ssl::context& tls, std::shar
     }
     co_await serve(std::move(stream), shared);
   } catch (const std::exception& error) {
-    spdlog::warn("a connection ended: {}", error.what());
+    log::warning("a connection ended: {}", error.what());
   }
 }
 
@@ -309,7 +309,7 @@ awaitable<void> turn_away(tcp::socket socket, std::shared_ptr<Shared> shared) {
     co_await send_reply(stream, reply, false, false, shared->limits);
     co_await linger(stream);
   } catch (const std::exception& error) {
-    spdlog::warn("a connection ended: {}", error.what());
+    log::warning("a connection ended: {}", error.what());
   }
 }
 

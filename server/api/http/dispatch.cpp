@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include <spdlog/spdlog.h>
-
 #include "db/database.hpp"
+#include "protocol/process/log.hpp"
 #include "server/api/http/csv.hpp"
 #include "db/refusal.hpp"
 
@@ -137,14 +136,14 @@ awaitable<Dispatched> dispatch(const Router& router, const WebHost& host, const 
   } catch (const db::Refusal& refusal) {
     out.reply = error_reply(Refused(refusal.code(), refusal.where()));
   } catch (const db::Error& error) {
-    spdlog::error("{}: {}", what, error.what());
+    log::error("{}: {}", what, error.what());
     out.reply = database_reply(error);
   } catch (const nlohmann::json::exception& error) {
     // A handler met a JSON body of another shape than it reads.
-    spdlog::info("{}: {}", what, error.what());
+    log::info("{}: {}", what, error.what());
     out.reply = error_reply(Refused("bad_request"));
   } catch (const std::exception& error) {
-    spdlog::error("{}: {}", what, error.what());
+    log::error("{}: {}", what, error.what());
     out.reply = error_reply(Refused("internal"));
   }
   co_return out;

@@ -9,8 +9,8 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
-#include <spdlog/spdlog.h>
 
+#include "protocol/process/log.hpp"
 #include "server/api/http/connection.hpp"
 
 namespace headstock::api {
@@ -64,7 +64,7 @@ asio::awaitable<void> WebServer::Impl::accept() {
     if (error == asio::error::operation_aborted || !acceptor.is_open()) co_return;
     if (error) {
       // Out of file descriptors and the like: the ones in use come free again.
-      spdlog::warn("cannot take a connection: {}", error.message());
+      log::warning("cannot take a connection: {}", error.message());
       asio::steady_timer pause(io, std::chrono::milliseconds(200));
       co_await pause.async_wait(asio::as_tuple(asio::use_awaitable));
       continue;
