@@ -212,17 +212,19 @@ namespace headstock::interp {
 bool Executor::inputs_data() const {
   constexpr std::int16_t kDataInput = 100;
   const auto* const end = block.g.data() + block.g_count;
-  return data_input.line != nullptr ||
-         std::find_if(block.g.data(), end, [](const program::Code& g) { return g.tenths == kDataInput; }) != end;
+  return data_input.line != nullptr || std::find_if(block.g.data(), end, [](const program::Code& g) {
+                                         return g.tenths == kDataInput;
+                                       }) != end;
 }
 
-// A RESET in front of it must not leave what a block wrote that did not run: run again, G91 and U W would add twice.
+// A RESET in front of it must not leave what a block wrote that did not run: run again, G91 and U W would add
+// twice.
 bool Executor::data_input_waits() const {
   return !at_standstill && cycle.watch == nullptr && environment->takes_time() && inputs_data();
 }
 
-// Under G41/G42 one or two motions in front of a G10 wait for the blocks behind it: it is carried out before them, and
-// taken back when RESET comes before they are done.
+// Under G41/G42 one or two motions in front of a G10 wait for the blocks behind it: it is carried out before
+// them, and taken back when RESET comes before they are done.
 void Executor::take_back_data_input(std::uint32_t first_block_left) {
   std::vector<char> names;
   for (const ProgramAxis& axis : axes) names.push_back(axis.name);

@@ -6,8 +6,8 @@
 
 namespace headstock::interp {
 
-/// The whole modal state of an Executor, as far as blocks change it. Positions are not part of it: they are where the
-/// axes stand.
+/// The whole modal state of an Executor, as far as blocks change it. Positions are not part of it: they are
+/// where the axes stand.
 struct KeptModes {
   std::uint32_t block = 0;  ///< number of the block before which it was so
   std::size_t axis_count = 0;
@@ -161,7 +161,8 @@ namespace {
 
 /// How many of a ring's states, the oldest first, belong to blocks before this one.
 template <typename State>
-std::size_t older_than(std::uint32_t block, const std::vector<State>& ring, std::size_t begin, std::size_t count) {
+std::size_t older_than(std::uint32_t block, const std::vector<State>& ring, std::size_t begin,
+                       std::size_t count) {
   std::size_t low = 0, high = count;
   while (low < high) {
     const std::size_t middle = (low + high) / 2;

@@ -99,8 +99,9 @@ double& cell_of(interp::ToolOffset& tool, const OffsetColumn& column) {
   return column.wear ? tool.radius_wear : tool.radius;
 }
 
-// #5001… end of the block before, #5011… machine coordinates as their page shows them, #5041… absolute position now, and
-// where a skip ended, #5081… offset in force: of the axis that the last digit counts from 1. @return whether it is one.
+// #5001… end of the block before, #5011… machine coordinates as their page shows them, #5041… absolute
+// position now, and where a skip ended, #5081… offset in force: of the axis that the last digit counts
+// from 1. @return whether it is one.
 bool read_of_axis(const Executor& ex, std::uint32_t number, Value& value) {
   const std::size_t axis = number % 10 - std::size_t{1};
   if (number % 10 == 0 || axis >= ex.axes.size()) return false;

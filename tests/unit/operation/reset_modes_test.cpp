@@ -173,7 +173,8 @@ INSTANTIATE_TEST_SUITE_P(
                   "tool/1/geometry/X"},
         DataInput{"K2000TC", "k2000tc", "T0101\nG98 G01 X40. F600.\nG10 P1 U1.\nG01 X44.\nM30\n",
                   "tool/1/geometry/X"},
-        DataInput{"K2000TCShift", "k2000tc", "G98 G01 X40. F600.\nG10 P0 W1.\nG01 X44.\nM30\n", "work/shift/Z"},
+        DataInput{"K2000TCShift", "k2000tc", "G98 G01 X40. F600.\nG10 P0 W1.\nG01 X44.\nM30\n",
+                  "work/shift/Z"},
         DataInput{"Wear", "fanuc-0i-t", "O1\nT0101\nG98 G01 X40. F600.\nG10 P1 U1.\nG01 X44.\nM30\n",
                   "tool/1/wear/X"},
         DataInput{"Geometry", "fanuc-0i-t", "O1\nG98 G01 X40. F600.\nG10 P10002 W1.\nG01 X44.\nM30\n",
@@ -185,9 +186,10 @@ INSTANTIATE_TEST_SUITE_P(
         DataInput{"Computed", "fanuc-0i-m",
                   "O1\n#1=1\nG90 G94 G01 X40. F600.\nG91 G10 L12 P1 R#1\nG90 X44.\nM30\n", "tool/1/radius"},
         // The motion in front of it waits for the one behind it: G10 is carried out first, and taken back.
-        DataInput{"Compensated", "fanuc-0i-m",
-                  "O1\nG90 G94 G41 G01 X2. D1 F600.\nX40.\nG91 G10 L12 P2 R1.\nG90 X44.\nX50.\nG40 X60.\nM30\n",
-                  "tool/2/radius"},
+        DataInput{
+            "Compensated", "fanuc-0i-m",
+            "O1\nG90 G94 G41 G01 X2. D1 F600.\nX40.\nG91 G10 L12 P2 R1.\nG90 X44.\nX50.\nG40 X60.\nM30\n",
+            "tool/2/radius"},
         DataInput{"Chamfered", "fanuc-0i-m",
                   "O1\nG90 G94 G01 X40. ,C1. F600.\nG91 G10 L12 P2 R1.\nG90 Y44.\nM30\n", "tool/2/radius"}),
     [](const auto& given) { return std::string(given.param.name); });

@@ -91,7 +91,8 @@ TEST(RetreatSpeed, OfTheK2000TCIsNotAboveItsLimit) {
     data.parameters = {{"P0042", 3}, {"P6484", one.p6484}};
     Controller controller(quick("k2000tc"), data, virtual_options());
     const std::string program = "O1\nG98 G21 G97 S500 M03\n" + std::string(one.blocks) + "G00 W30.\nM30\n";
-    controller.select("main", "hash", single_program([program] { return program::source_from_text(program); }));
+    controller.select("main", "hash",
+                      single_program([program] { return program::source_from_text(program); }));
     double x = 0, away = 0, back = 0;
     VirtualRun virtual_run(controller);
     EXPECT_EQ(virtual_run.run([&] {
