@@ -1,211 +1,154 @@
 #include "command-line/client/connection.hpp"
 
+#include <algorithm>
 #include <cctype>
+#include <exception>
 #include <fstream>
-#include <optional>
-#include <vector>
+#include <istream>
+#include <memory>
+#include <utility>
 
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/connect.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/redirect_error.hpp>
-#include <boost/asio/ssl.hpp>
-#include <boost/asio/use_awaitable.hpp>
-#include <boost/asio/write.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/beast/websocket.hpp>
+#include <curl/curl.h>
 
+#include "command-line/client/answer.hpp"
 #include "command-line/client/output.hpp"
-#include "protocol/stream/byte_stream.hpp"
 
 namespace headstock::client {
 
 namespace {
 
-namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace http = beast::http;
-namespace websocket = beast::websocket;
-namespace ssl = asio::ssl;
-using asio::awaitable;
-using asio::use_awaitable;
-using asio::ip::tcp;
-using std::chrono::seconds;
+constexpr long kStalledS = 120;   // a check may take long; the server answers 202 well before
+constexpr std::size_t kErrorBytes = 65536;
 
-using protocol::ByteStream;
-
-constexpr seconds connect_time{10};
-constexpr seconds answer_time{120};   // a check may take long; the server answers 202 well before
-
-Failure cannot_connect(const std::string& where, const std::string& why) {
-  return Failure(unreachable, say("cannot reach the server at ", "无法连接服务器 ") + where + ": " + why);
-}
-
-awaitable<void> connect(beast::tcp_stream& stream, const std::string& host, const std::string& port) {
-  tcp::resolver resolver(co_await asio::this_coro::executor);
-  const auto found = co_await resolver.async_resolve(host, port, use_awaitable);
-  stream.expires_after(connect_time);
-  co_await stream.async_connect(found, use_awaitable);
-}
-
-std::string message_of(unsigned status, const json& answer) {
-  if (answer.is_object() && answer.contains("error") && answer["error"].is_object()) {
-    const auto& error = answer["error"];
-    const auto& texts = error.value("message", json::object());
-    std::string text = texts.value(chinese() ? "zh" : "en", error.value("code", std::string("error")));
-    if (error.contains("where") && error["where"].is_string()) text += " (" + error["where"].get<std::string>() + ")";
-    return text;
-  }
-  return say("the server answered with status ", "服务器返回状态 ") + std::to_string(status);
-}
-
-json parsed(const std::string& body) {
-  if (body.empty()) return nullptr;
-  auto value = json::parse(body, nullptr, false);
-  return value.is_discarded() ? json(nullptr) : value;
-}
-
-json demand_success(unsigned status, const std::string& body) {
-  json answer = parsed(body);
-  if (status >= 200 && status < 300) return answer;
-  if (status == 401)
-    throw Failure(not_signed_in, message_of(status, answer) + say("; use: headstock login", "；请使用 headstock login"), answer);
-  throw Failure(refused, message_of(status, answer), answer);
-}
-
-/// One exchange on the stream to a server.
-struct Exchange {
-  ByteStream& stream;
-
-  awaitable<json> request(http::request<http::string_body> message) {
-    auto& lowest = stream.lowest();
-    lowest.expires_after(answer_time);
-    co_await http::async_write(stream, message, use_awaitable);
-    beast::flat_buffer buffer;
-    http::response_parser<http::string_body> parser;
-    parser.body_limit(std::uint64_t{1} << 30);
-    co_await http::async_read(stream, buffer, parser, use_awaitable);
-    co_return demand_success(parser.get().result_int(), parser.get().body());
-  }
-
-  awaitable<json> upload(http::request<http::empty_body> head, std::istream& file, std::uint64_t size,
-                         const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
-    auto& lowest = stream.lowest();
-    head.content_length(size);
-    http::request_serializer<http::empty_body> serializer{head};
-    lowest.expires_after(answer_time);
-    co_await http::async_write_header(stream, serializer, use_awaitable);
-    std::vector<char> piece(256 * 1024);
-    boost::system::error_code broken;
-    for (std::uint64_t sent = 0; sent < size && !broken;) {
-      file.read(piece.data(), static_cast<std::streamsize>(std::min<std::uint64_t>(piece.size(), size - sent)));
-      const auto got = static_cast<std::size_t>(file.gcount());
-      if (got == 0) throw Failure(usage, say("the file became shorter while it was sent", "发送过程中文件变短"));
-      lowest.expires_after(answer_time);
-      // A server that refuses early closes; its answer is still there to be read.
-      co_await asio::async_write(stream, asio::buffer(piece.data(), got), asio::redirect_error(use_awaitable, broken));
-      sent += got;
-      if (progress && !broken) progress(sent, size);
-    }
-    beast::flat_buffer buffer;
-    http::response<http::string_body> answer;
-    co_await http::async_read(stream, buffer, answer, use_awaitable);
-    co_return demand_success(answer.result_int(), answer.body());
-  }
-
-  awaitable<void> download(http::request<http::empty_body> head,
-                           const std::function<void(const char*, std::size_t)>& write) {
-    auto& lowest = stream.lowest();
-    lowest.expires_after(answer_time);
-    co_await http::async_write(stream, head, use_awaitable);
-    beast::flat_buffer buffer;
-    http::response_parser<http::buffer_body> parser;
-    parser.body_limit(boost::none);
-    co_await http::async_read_header(stream, buffer, parser, use_awaitable);
-    std::vector<char> piece(256 * 1024);
-    std::string error_body;
-    const auto status = parser.get().result_int();
-    const bool good = status >= 200 && status < 300;
-    while (!parser.is_done()) {
-      auto& body = parser.get().body();
-      body.data = piece.data();
-      body.size = piece.size();
-      lowest.expires_after(answer_time);
-      boost::system::error_code error;
-      co_await http::async_read(stream, buffer, parser, asio::redirect_error(use_awaitable, error));
-      if (error && error != http::error::need_buffer) throw boost::system::system_error(error);
-      const auto got = piece.size() - body.size;
-      if (good)
-        write(piece.data(), got);
-      else if (error_body.size() < 65536)
-        error_body.append(piece.data(), got);
-    }
-    if (!good) demand_success(status, error_body);
-  }
+struct Closes {
+  void operator()(CURL* handle) const { curl_easy_cleanup(handle); }
+  void operator()(curl_slist* list) const { curl_slist_free_all(list); }
 };
 
-awaitable<void> follow(websocket::stream<ByteStream>& socket, const std::string& host, const std::string& token,
-                       const json& subscription, const std::function<bool(const json&)>& message) {
-  socket.next_layer().lowest().expires_never();
-  socket.set_option(websocket::stream_base::timeout::suggested(beast::role_type::client));
-  socket.set_option(websocket::stream_base::decorator([&token](websocket::request_type& request) {
-    request.set(http::field::authorization, "Bearer " + token);
-  }));
-  http::response<http::string_body> answer;
-  boost::system::error_code error;
-  co_await socket.async_handshake(answer, host, "/api/v1/events", asio::redirect_error(use_awaitable, error));
-  if (error == websocket::error::upgrade_declined) demand_success(answer.result_int(), answer.body());
-  if (error) throw boost::system::system_error(error);
-  const auto text = subscription.dump();
-  co_await socket.async_write(asio::buffer(text), use_awaitable);
-  for (;;) {
-    beast::flat_buffer buffer;
-    co_await socket.async_read(buffer, use_awaitable);
-    const auto value = json::parse(beast::buffers_to_string(buffer.data()), nullptr, false);
-    if (value.is_object() && !message(value)) break;
-  }
-  co_await socket.async_close(websocket::close_code::normal, asio::redirect_error(use_awaitable, error));
-}
-
-ssl::context tls_context(const std::filesystem::path& ca) {
-  ssl::context context(ssl::context::tls_client);
-  context.set_default_verify_paths();
-  if (!ca.empty()) {
-    boost::system::error_code error;
-    context.load_verify_file(ca.string(), error);
-    if (error) throw Failure(usage, say("cannot read the certificate ", "无法读取证书 ") + ca.string() + ": " + error.message());
-  }
-  context.set_verify_mode(ssl::verify_peer);
-  return context;
-}
-
-/// Opens the kind of stream the server needs, runs `use` on it, and turns what goes wrong into a Failure.
-void with_stream(const Server& server, bool secure, const std::string& host, const std::string& port,
-                 const std::function<awaitable<void>(ByteStream&)>& use) {
-  asio::io_context io;
-  std::exception_ptr failed;
-  auto work = [&]() -> awaitable<void> {
-    std::optional<ssl::context> context;
-    if (secure) context = tls_context(server.ca);
-    ByteStream stream(tcp::socket(io), context ? &*context : nullptr);
-    stream.demand_host(host);
-    co_await connect(stream.lowest(), host, port);
-    if (const auto error = co_await stream.handshake(ssl::stream_base::client))
-      throw Failure(unreachable, say("the server's certificate is not trusted; give the shop's CA (DATA/pki on the server) with login --ca: ",
-                                     "服务器证书不受信任；请用 login --ca 指定车间 CA 证书（位于服务器的 DATA/pki）：") + error.message());
-    co_await use(stream);
-  };
-  asio::co_spawn(io, work(), [&](std::exception_ptr error) { failed = error; });
-  io.run();
-  if (!failed) return;
+/// What is called from within the library must not throw through it.
+template <class F>
+bool kept(std::exception_ptr& failed, F&& run) {
   try {
-    std::rethrow_exception(failed);
-  } catch (const boost::system::system_error& error) {
-    throw cannot_connect(server.url, error.code().message());
+    std::forward<F>(run)();
+    return true;
+  } catch (...) {
+    failed = std::current_exception();
+    return false;
   }
 }
+
+/// One request and its answer.
+class Exchange {
+ public:
+  Exchange(const Server& server, const std::string& method, const std::string& url) : server_(server), handle_(curl_easy_init()) {
+    if (!handle_) throw Failure(unreachable, "libcurl");
+    set(CURLOPT_URL, url.c_str());
+    set(CURLOPT_CUSTOMREQUEST, method.c_str());
+    set(CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_1_1));
+    set(CURLOPT_USERAGENT, "headstock");
+    set(CURLOPT_PROXY, "");   // a server stands in the shop: never through the proxy of the environment
+    set(CURLOPT_NOSIGNAL, 1L);
+    set(CURLOPT_CONNECTTIMEOUT, kConnectS);
+    set(CURLOPT_LOW_SPEED_LIMIT, 1L);
+    set(CURLOPT_LOW_SPEED_TIME, kStalledS);
+    set(CURLOPT_ERRORBUFFER, error_);
+    if (!server.ca.empty()) set(CURLOPT_CAINFO, server.ca.c_str());   // besides the system's folder of certificates
+    header("X-Headstock: 1");
+    header("Expect:");
+    if (!server.token.empty()) header("Authorization: Bearer " + server.token);
+    set(CURLOPT_WRITEFUNCTION, &Exchange::arrived);
+    set(CURLOPT_WRITEDATA, this);
+  }
+
+  void header(const std::string& line) { headers_.reset(curl_slist_append(headers_.release(), line.c_str())); }
+
+  void body(const std::string& text) {
+    header(text.empty() ? "Content-Type:" : "Content-Type: application/json");
+    set(CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(text.size()));
+    set(CURLOPT_COPYPOSTFIELDS, text.c_str());
+  }
+
+  void body(std::istream& file, std::uint64_t size, const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
+    file_ = &file;
+    size_ = size;
+    progress_ = &progress;
+    header("Content-Type: application/octet-stream");
+    set(CURLOPT_POST, 1L);
+    set(CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(size));
+    set(CURLOPT_UPLOAD_BUFFERSIZE, 256L * 1024);
+    set(CURLOPT_READFUNCTION, &Exchange::wanted);
+    set(CURLOPT_READDATA, this);
+  }
+
+  /// @param sink takes what a good answer holds; without it the answer is returned.
+  json run(const std::function<void(const char*, std::size_t)>& sink = {}) {
+    sink_ = &sink;
+    set(CURLOPT_HTTPHEADER, headers_.get());
+    const auto ended = curl_easy_perform(handle_.get());
+    if (failed_) std::rethrow_exception(failed_);
+    // A server that refuses early closes while the file is still being sent; its answer has arrived all the same.
+    const bool answered = status() >= 400 && (ended == CURLE_SEND_ERROR || ended == CURLE_RECV_ERROR);
+    if (ended != CURLE_OK && !answered) throw failure(ended);
+    return demand_success(static_cast<unsigned>(status()), text_);
+  }
+
+ private:
+  template <class Value>
+  void set(CURLoption option, Value value) {
+    curl_easy_setopt(handle_.get(), option, value);
+  }
+
+  long status() const {
+    long value = 0;
+    curl_easy_getinfo(handle_.get(), CURLINFO_RESPONSE_CODE, &value);
+    return value;
+  }
+
+  Failure failure(CURLcode code) const {
+    const std::string why = error_[0] != '\0' ? error_ : curl_easy_strerror(code);
+    if (code == CURLE_PEER_FAILED_VERIFICATION) return not_trusted(why);
+    if (code == CURLE_SSL_CACERT_BADFILE) return bad_certificate_file(server_.ca.string(), why);
+    return cannot_connect(server_.url, why);
+  }
+
+  static std::size_t arrived(char* bytes, std::size_t, std::size_t count, void* user) {
+    auto& self = *static_cast<Exchange*>(user);
+    const auto status = self.status();
+    const bool to_sink = *self.sink_ && status >= 200 && status < 300;
+    const bool good = kept(self.failed_, [&] {
+      if (to_sink)
+        (*self.sink_)(bytes, count);
+      else if (!*self.sink_ || self.text_.size() < kErrorBytes)
+        self.text_.append(bytes, count);
+    });
+    return good ? count : 0;
+  }
+
+  static std::size_t wanted(char* into, std::size_t, std::size_t room, void* user) {
+    auto& self = *static_cast<Exchange*>(user);
+    std::size_t got = 0;
+    const bool good = kept(self.failed_, [&] {
+      const auto part = std::min<std::uint64_t>(room, self.size_ - self.sent_);
+      self.file_->read(into, static_cast<std::streamsize>(part));
+      got = static_cast<std::size_t>(self.file_->gcount());
+      if (got == 0 && part > 0) throw Failure(usage, say("the file became shorter while it was sent", "发送过程中文件变短"));
+      self.sent_ += got;
+      if (*self.progress_) (*self.progress_)(self.sent_, self.size_);
+    });
+    return good ? got : CURL_READFUNC_ABORT;
+  }
+
+  const Server& server_;
+  std::unique_ptr<CURL, Closes> handle_;
+  std::unique_ptr<curl_slist, Closes> headers_;
+  char error_[CURL_ERROR_SIZE] = {};
+  std::string text_;
+  std::exception_ptr failed_;
+  const std::function<void(const char*, std::size_t)>* sink_ = nullptr;
+  std::istream* file_ = nullptr;
+  std::uint64_t size_ = 0, sent_ = 0;
+  const std::function<void(std::uint64_t, std::uint64_t)>* progress_ = nullptr;
+};
 
 }  // namespace
 
@@ -244,36 +187,19 @@ Connection::Connection(Server server) : server_(std::move(server)) {
   if (host_.size() > 2 && host_.front() == '[') host_ = host_.substr(1, host_.size() - 2);
 }
 
-namespace {
-
-template <class Body>
-http::request<Body> message(http::verb verb, const std::string& path, const std::string& host, const std::string& token) {
-  http::request<Body> request{verb, "/api/v1" + path, 11};
-  request.set(http::field::host, host);
-  request.set(http::field::user_agent, "headstock");
-  request.set("X-Headstock", "1");
-  request.keep_alive(false);
-  if (!token.empty()) request.set(http::field::authorization, "Bearer " + token);
-  return request;
+std::string Connection::url(const std::string& path) const {
+  const bool v6 = host_.find(':') != std::string::npos;
+  return (secure_ ? "https://" : "http://") + (v6 ? "[" + host_ + "]" : host_) + ":" + port_ + "/api/v1" + path;
 }
 
-}  // namespace
-
-json Connection::get(const std::string& path) { return send("GET", path, nullptr); }
+json Connection::get(const std::string& path) {
+  return Exchange(server_, "GET", url(path)).run();
+}
 
 json Connection::send(const std::string& method, const std::string& path, const json& body) {
-  auto request = message<http::string_body>(http::string_to_verb(method), path, host_, server_.token);
-  if (!body.is_null()) {
-    request.set(http::field::content_type, "application/json");
-    request.body() = body.dump();
-  }
-  request.prepare_payload();
-  json answer;
-  with_stream(server_, secure_, host_, port_, [&](ByteStream& stream) -> awaitable<void> {
-    Exchange exchange{stream};
-    answer = co_await exchange.request(std::move(request));
-  });
-  return answer;
+  Exchange exchange(server_, method, url(path));
+  if (!body.is_null() || method == "POST" || method == "PUT") exchange.body(body.is_null() ? std::string() : body.dump());
+  return exchange.run();
 }
 
 json Connection::upload(const std::string& path, const std::filesystem::path& file,
@@ -282,30 +208,13 @@ json Connection::upload(const std::string& path, const std::filesystem::path& fi
   const auto size = std::filesystem::file_size(file, error);
   std::ifstream in(file, std::ios::binary);
   if (error || !in) throw Failure(usage, say("cannot read ", "无法读取 ") + file.string());
-  json answer;
-  with_stream(server_, secure_, host_, port_, [&](ByteStream& stream) -> awaitable<void> {
-    auto head = message<http::empty_body>(http::verb::post, path, host_, server_.token);
-    head.set(http::field::content_type, "application/octet-stream");
-    Exchange exchange{stream};
-    answer = co_await exchange.upload(std::move(head), in, size, progress);
-  });
-  return answer;
+  Exchange exchange(server_, "POST", url(path));
+  exchange.body(in, size, progress);
+  return exchange.run();
 }
 
 void Connection::download(const std::string& path, const std::function<void(const char*, std::size_t)>& write) {
-  with_stream(server_, secure_, host_, port_, [&](ByteStream& stream) -> awaitable<void> {
-    auto head = message<http::empty_body>(http::verb::get, path, host_, server_.token);
-    Exchange exchange{stream};
-    co_await exchange.download(std::move(head), write);
-  });
-}
-
-void Connection::watch(const json& subscription, const std::function<bool(const json&)>& on_message) {
-  with_stream(server_, secure_, host_, port_, [&](ByteStream& stream) -> awaitable<void> {
-    websocket::stream<ByteStream> socket(std::move(stream));
-    const std::string host = host_ + ":" + port_;
-    co_await follow(socket, host, server_.token, subscription, on_message);
-  });
+  Exchange(server_, "GET", url(path)).run(write);
 }
 
 }  // namespace headstock::client

@@ -37,6 +37,9 @@ struct Server {
   std::filesystem::path ca;            ///< PEM of the CA to trust, besides the system's; may be empty
 };
 
+/// How long a server may take to accept a connection.
+constexpr long kConnectS = 10;
+
 class Connection {
  public:
   explicit Connection(Server server);
@@ -54,6 +57,8 @@ class Connection {
   void watch(const json& subscription, const std::function<bool(const json&)>& message);
 
  private:
+  std::string url(const std::string& path) const;
+
   Server server_;
   bool secure_ = false;
   std::string host_, port_;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "motion/geometry.hpp"
 #include "motion/lead_error.hpp"
 #include "motion/limits_check.hpp"
 #include "motion/path_error.hpp"
@@ -40,7 +41,7 @@ class Measurement {
         period_s_(controller.machine().period_us * 1e-6),
         judge_(judge),
         limits_(axes_, period_s_),
-        error_(axes_),
+        error_(axes_, motion::tolerance_weights(controller.machine())),
         lead_(axes_),
         last_(start) {
     limits_.add(start);

@@ -33,7 +33,7 @@ std::optional<Overtravel> find_overtravel(const machine::Machine& machine, const
                                           const std::variant<motion::Line, motion::Arc>& geometry);
 
 /// Whether any point of the move comes nearer than `distance_mm` to a limit (there corners must not be
-/// rounded).
+/// rounded); of rotary axes nearer than what counts as much in tolerances.
 bool near_limit(const machine::Machine& machine, const AxisVector& start,
                 const std::variant<motion::Line, motion::Arc>& geometry, double distance_mm);
 

@@ -95,6 +95,7 @@ struct Machine {
   Kind kind = Kind::lathe;                  ///< from the profile unless `[machine] kind` says otherwise
   int period_us = 1'000;                    ///< interpolation period, 250…8000
   double tolerance_mm = 0.01;               ///< `[path] tolerance_mm`: corners are rounded by at most this
+  double tolerance_deg = 0.01;              ///< `[path] tolerance_deg`: the same of each rotary axis; not given: the number of mm
   std::vector<Axis> axes;                   ///< in the order X Y Z A B C U V W; at most kMaxAxes
   Spindle spindle;
   std::string drive = "simulated";          ///< `[drive] type`: simulated, or ideal (follows without any error)
@@ -103,6 +104,9 @@ struct Machine {
   bool interruption_input = false;          ///< there is an interruption signal (UINT); without one M96 is an alarm
   char polygon_axis = 0;                    ///< rotary axis that drives the tool of polygon turning; 0: none
   std::size_t program_memory_bytes = 2u << 20;  ///< what the agent keeps of programs (`[memory] programs_kb`)
+
+  /// Degrees that count in tolerances as much as 1 mm.
+  double degrees_per_mm() const { return tolerance_deg / tolerance_mm; }
 
   /// Index of the axis with this address letter, if the machine has it.
   std::optional<std::size_t> axis_index(char name) const;

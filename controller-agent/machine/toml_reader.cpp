@@ -355,10 +355,18 @@ void read_spindle(Machine& machine, const toml::node& node, const Place& place) 
 }
 
 void read_path(Machine& machine, const toml::node& node, const Place& place) {
+  bool degrees = false;
   for (const auto& [key, value] : table_of(node, place)) {
-    if (key != "tolerance_mm") place.fail(value, fmt::format("{} is not a key of this section", key.str()));
-    machine.tolerance_mm = number(value, key, 0, 10, true, place);
+    if (key == "tolerance_mm") {
+      machine.tolerance_mm = number(value, key, 0, 10, true, place);
+    } else if (key == "tolerance_deg") {
+      machine.tolerance_deg = number(value, key, 0, 10, true, place);
+      degrees = true;
+    } else {
+      place.fail(value, fmt::format("{} is not a key of this section", key.str()));
+    }
   }
+  if (!degrees) machine.tolerance_deg = machine.tolerance_mm;
 }
 
 void read_drive(Machine& machine, const toml::node& node, const Place& place) {

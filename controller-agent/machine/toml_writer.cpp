@@ -65,10 +65,11 @@ std::string to_toml(const Machine& machine) {
   std::string out = fmt::format(
       "[machine]\nname = {}\nprofile = {}\nkind = {}\nperiod_us = {}\nsecond_auxiliary = {}\nskip_input = "
       "{}\ninterruption_input = {}\n"
-      "{}\n[path]\ntolerance_mm = {}\n",
+      "{}\n[path]\ntolerance_mm = {}\ntolerance_deg = {}\n",
       toml_string(machine.name), toml_string(machine.profile),
       toml_string(machine.kind == Kind::mill ? "mill" : "lathe"), machine.period_us, machine.second_auxiliary,
-      machine.skip_input, machine.interruption_input, letter_to_toml("polygon_axis", machine.polygon_axis), machine.tolerance_mm);
+      machine.skip_input, machine.interruption_input, letter_to_toml("polygon_axis", machine.polygon_axis), machine.tolerance_mm,
+      machine.tolerance_deg);
   for (const Axis& axis : machine.axes) out += axis_to_toml(axis);
   out += fmt::format(
       "\n[spindle]\nmax_rpm = {}\nmin_rpm = {}\nacceleration_rpm_s = {}\nencoder_lines = {}\n"

@@ -11,6 +11,14 @@ double distance(const AxisVector& a, const AxisVector& b) {
   return std::sqrt(sum);
 }
 
+AxisVector tolerance_weights(const machine::Machine& machine) {
+  AxisVector weights;
+  weights.fill(1);
+  for (std::size_t i = 0; i < machine.axes.size(); ++i)
+    if (machine.axes[i].rotary) weights[i] = 1 / machine.degrees_per_mm();
+  return weights;
+}
+
 Curve Curve::from(const AxisVector& start, const Move& move, std::size_t axes) {
   Curve c;
   c.start = start;

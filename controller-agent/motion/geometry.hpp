@@ -30,6 +30,8 @@ struct Curve {
 };
 
 double distance(const AxisVector& a, const AxisVector& b);
+/// What 1 mm or 1 degree of each axis counts where a tolerance in mm is meant: rotary axes have their own.
+AxisVector tolerance_weights(const machine::Machine& machine);
 
 /// Moves shorter than this have no geometry [mm].
 inline constexpr double kNoLength = 1e-7;

@@ -57,7 +57,7 @@ struct Kernel::Impl {
       : axes(machine.axes.size()),
         highest_rpm(machine.spindle.max_rpm),
         period_s(machine.period_us * 1e-6),
-        smoother(axes),
+        smoother(axes, tolerance_weights(machine)),
         maker(machine),
         plan(cells),
         law(cells, period_s, maker.smoothing_periods()),

@@ -25,7 +25,10 @@ void PathError::add(const Move& move) {
 double PathError::distance_to(const Traced& traced, const AxisVector& position) const {
   auto gap = [&](const AxisVector& p) {
     double sum = 0;
-    for (std::size_t i = 0; i < axes_; ++i) sum += (p[i] - position[i]) * (p[i] - position[i]);
+    for (std::size_t i = 0; i < axes_; ++i) {
+      const double d = (p[i] - position[i]) * weights_[i];
+      sum += d * d;
+    }
     return std::sqrt(sum);
   };
   AxisVector p{};
@@ -33,8 +36,8 @@ double PathError::distance_to(const Traced& traced, const AxisVector& position) 
   if (!arc || arc->angle_rad == 0) {
     double along = 0, square = 0;
     for (std::size_t i = 0; i < axes_; ++i) {
-      const double d = traced.end[i] - traced.start[i];
-      along += (position[i] - traced.start[i]) * d;
+      const double d = (traced.end[i] - traced.start[i]) * weights_[i];
+      along += (position[i] - traced.start[i]) * weights_[i] * d;
       square += d * d;
     }
     const double share = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0.0;
@@ -85,8 +88,10 @@ double PathError::distance_to(const Traced& traced, const AxisVector& position) 
 double PathError::search(const AxisVector& position, std::uint64_t tag, double enough) {
   if (moves_.empty()) {
     double sum = 0;
-    for (std::size_t i = 0; i < axes_; ++i)
-      sum += (position[i] - last_end_[i]) * (position[i] - last_end_[i]);
+    for (std::size_t i = 0; i < axes_; ++i) {
+      const double d = (position[i] - last_end_[i]) * weights_[i];
+      sum += d * d;
+    }
     return std::sqrt(sum);
   }
   for (std::size_t k = current_; k < moves_.size(); ++k) {

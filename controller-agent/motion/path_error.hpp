@@ -11,7 +11,9 @@ namespace headstock::motion {
 
 class PathError {
  public:
-  explicit PathError(std::size_t axes) : axes_(axes) {}
+  explicit PathError(std::size_t axes) : axes_(axes) { weights_.fill(1); }
+  /// @param weights what 1 mm or 1 degree of each axis counts, as tolerance_weights() says
+  PathError(std::size_t axes, const AxisVector& weights) : axes_(axes), weights_(weights) {}
 
   /// The programmed path begins (again) here.
   void start(const AxisVector& position);
@@ -36,6 +38,7 @@ class PathError {
   double distance_to(const Traced& move, const AxisVector& position) const;
 
   std::size_t axes_;
+  AxisVector weights_;
   AxisVector last_end_{};
   std::deque<Traced> moves_;
   std::size_t current_ = 0;

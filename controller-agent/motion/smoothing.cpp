@@ -27,10 +27,6 @@ constexpr double kNearWhole = 0.9;       // of a line: a knot beyond it goes to 
 // hat-weighted means).
 constexpr double kReach = 2.1, kHighest = 0.2908;
 
-double tangent_change(const Curve& from, const Curve& to) {
-  return distance(from.tangent(from.length), to.tangent(0));
-}
-
 /// Knot distance a piece allows beside it: a short arc is a corner to knots farther apart than its length.
 double width_beside(const Piece& piece) {
   if (!piece.curve.is_arc) return kAny;
@@ -48,6 +44,16 @@ AxisVector mix(const AxisVector& p, double wp, const AxisVector& q, double wq, d
 
 }  // namespace
 
+/// In parts of the tolerance: a corner's error is that much, of each axis what its own tolerance allows.
+double Smoother::tangent_change(const Curve& from, const Curve& to) const {
+  AxisVector before = from.tangent(from.length), behind = to.tangent(0);
+  for (std::size_t i = 0; i < weights_.size(); ++i) {
+    before[i] *= weights_[i];
+    behind[i] *= weights_[i];
+  }
+  return distance(before, behind);
+}
+
 void Smoother::reset(double length) {
   nodes_.clear();
   knots_.assign(3, length);
@@ -62,6 +68,8 @@ void Smoother::add(const Piece& piece) {
     nodes_.back().corner.turn = tangent_change(nodes_.back().piece.curve, piece.curve);
   const bool first = nodes_.empty() && controls_.empty();
   nodes_.push_back({piece, {}});
+  if (const Curve& curve = piece.curve; curve.is_arc)  // its own error is in its plane
+    nodes_.back().piece.tolerance /= std::max({1.0, weights_[curve.axis_1], weights_[curve.axis_2]});
   if (first) controls_.push_back(piece.curve.start);
 }
 

@@ -51,7 +51,9 @@ struct Piece {
 
 class Smoother {
  public:
-  explicit Smoother(std::size_t axes) : axes_(axes) {}
+  explicit Smoother(std::size_t axes) : axes_(axes) { weights_.fill(1); }
+  /// @param weights tolerance_weights(): what of each axis counts against Piece::tolerance
+  Smoother(std::size_t axes, const AxisVector& weights) : axes_(axes), weights_(weights) {}
 
   /// Forgets everything; the path starts at this length.
   void reset(double length);
@@ -100,7 +102,10 @@ class Smoother {
   bool mean_in_run(double t1, double t2, double t3, AxisVector& mean) const;
   void forget_passed();
 
+  double tangent_change(const Curve& from, const Curve& to) const;
+
   std::size_t axes_;
+  AxisVector weights_;
   std::deque<Node> nodes_;
   std::size_t placing_ = 0;        // the piece that goes on from the last knot
   std::size_t control_piece_ = 0;  // the piece the last control point lies on

@@ -60,6 +60,13 @@ struct Selection {
   bool unseen = false;  // chosen over the network, nobody at the machine has seen it
 };
 
+inline CommandResult accepted() {
+  return {true, {}};
+}
+inline CommandResult refused(const char* reason) {
+  return {false, reason};
+}
+
 /// Takes the lock from the look-ahead thread, which lets go between pieces of work when somebody waits for it.
 class Access {
  public:
@@ -78,17 +85,10 @@ struct Controller::Impl {
 
   // ---- controller.cpp: what a person or the link asks for
   CommandResult command(const Command& command);
-  CommandResult cycle_start(Origin origin);
   CommandResult reset();
   CommandResult emergency_stop();
   CommandResult release_emergency_stop();
   CommandResult set_mode(double value);
-  CommandResult select(Selection selection, Mode mode, Origin origin);
-  CommandResult start_run(Selection& chosen, const interp::RestartPoint* restart_at = nullptr);
-  CommandResult resume();
-  bool mirror_place_unknown();
-  void go_on();
-  double rapid_f0() const;
   EditResult edit_values(const EditRequest& request);  // data_edit.cpp
   EditResult touch(const TouchRequest& request);       // touch.cpp
   CommandResult set_parameter_write(bool on);          // parameter_switch.cpp
@@ -99,6 +99,15 @@ struct Controller::Impl {
            phase == Phase::manual;
   }
   bool alarmed() const;
+
+  // ---- cycle_start.cpp: what begins a program
+  CommandResult select(Selection selection, Mode mode, Origin origin);
+  CommandResult cycle_start(Origin origin);
+  CommandResult start_run(Selection& chosen, const interp::RestartPoint* restart_at = nullptr);
+  CommandResult resume();
+  bool mirror_place_unknown();
+  void go_on();
+  double rapid_f0() const;
 
   // ---- manual.cpp: moving by hand
   CommandResult mdi(std::string text);

@@ -16,10 +16,6 @@ namespace {
 constexpr double kThere_mm = 1e-6;
 constexpr double kManualFeed_mm_min = 1'000;  // FANUC No. 1423, when it is not set
 
-CommandResult refused(const char* reason) {
-  return {false, reason};
-}
-
 /// The block typed at the panel; the programs it calls are those of the memory.
 class TypedBlock final : public program::Programs {
  public:
@@ -39,7 +35,7 @@ class TypedBlock final : public program::Programs {
   std::shared_ptr<program::Programs> memory_;
 };
 
-std::string of_axis(std::string_view number, char axis) {
+std::string number_of_axis(std::string_view number, char axis) {
   return std::string(number) + '/' + axis;
 }
 
@@ -76,7 +72,7 @@ CommandResult Controller::Impl::may_move_by_hand(std::size_t axis, Mode needed) 
 double Controller::Impl::manual_feed(std::size_t axis) const {
   const machine::Axis& limits = machine.axes[axis];
   const double all = data.parameter("1423", kManualFeed_mm_min);
-  return std::min(data.parameter(of_axis("1423", limits.name), all), limits.rapid_mm_min);
+  return std::min(data.parameter(number_of_axis("1423", limits.name), all), limits.rapid_mm_min);
 }
 
 double Controller::Impl::hand_position(std::size_t axis) {
@@ -130,7 +126,7 @@ CommandResult Controller::Impl::jog(std::size_t axis, int direction, JogSpeed sp
   const bool known = (realtime.homed.load() >> axis & 1) != 0;
   // Before reference return there is no rapid by hand (0i-D No. 1401#0).
   order.rapid = speed == JogSpeed::rapid && (known || data.bit("1401#0"));
-  const double rapid = data.parameter(of_axis("1424", limits.name), limits.rapid_mm_min);
+  const double rapid = data.parameter(number_of_axis("1424", limits.name), limits.rapid_mm_min);
   order.speed_mm_s = (order.rapid ? std::min(rapid, limits.rapid_mm_min) : manual_feed(axis)) / 60;
   shape_by_hand(axis, MotionKind::jog, order);
   move_by_hand(axis, order);
@@ -168,7 +164,7 @@ CommandResult Controller::Impl::reference(std::size_t axis) {
   if ((realtime.homed.load() >> axis & 1) == 0) {
     order.kind = HandOrder::Kind::home;
     order.speed_mm_s =
-        std::min(data.parameter(of_axis("1428", limits.name), limits.rapid_mm_min), limits.rapid_mm_min) / 60;
+        std::min(data.parameter(number_of_axis("1428", limits.name), limits.rapid_mm_min), limits.rapid_mm_min) / 60;
   } else if (order.target == hand_position(axis)) {
     return {true, {}};
   } else {

@@ -12,12 +12,8 @@
 namespace headstock::operation {
 namespace {
 
-constexpr double kThere_mm = 1e-9;
+constexpr double kAtBlock_mm = 1e-9;
 constexpr std::string_view kOrderParameter = "7310";
-
-CommandResult refused(const char* reason) {
-  return {false, reason};
-}
 
 /// As the newest of M03, M04, M05 says.
 int turning_after(const std::vector<std::int32_t>& passed) {
@@ -99,7 +95,7 @@ void Controller::Impl::restart_found() {
                    [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
   AxisVector at = feed.position();
   for (const std::size_t axis : order) {
-    if (std::abs(state.position[axis] - at[axis]) < kThere_mm) continue;
+    if (std::abs(state.position[axis] - at[axis]) < kAtBlock_mm) continue;
     at[axis] = state.position[axis];
     interp::Feed move;
     move.modal = state.modal;

@@ -59,6 +59,7 @@ profile = "fanuc-0i-t"
 period_us = 2000
 [path]
 tolerance_mm = 0.02
+tolerance_deg = 0.1
 [axis.X]
 rapid_mm_min = 7000
 max_feed_mm_min = 3000
@@ -85,6 +86,8 @@ programs_kb = 512
   EXPECT_EQ(machine.kind, Kind::lathe);
   EXPECT_EQ(machine.period_us, 2000);
   EXPECT_DOUBLE_EQ(machine.tolerance_mm, 0.02);
+  EXPECT_DOUBLE_EQ(machine.tolerance_deg, 0.1);
+  EXPECT_DOUBLE_EQ(machine.degrees_per_mm(), 5);
   ASSERT_EQ(axes_of(machine), "XZC");
   const Axis& x = machine.axes[0];
   EXPECT_EQ(x.rapid_mm_min, 7000);
@@ -164,6 +167,7 @@ TEST(MachineFile, ErrorsNameFileLineSectionAndKey) {
       {"[machine]\nprofile = \"fanuc-0i-t\"\n[drive]\ntype = \"ethercat\"\n", "t.toml:4: [drive]",
        "ethercat"},
       {"[machine]\nprofile = \"fanuc-0i-t\"\n[path]\ntolerance_mm = 0\n", "t.toml:4: [path]", "tolerance_mm"},
+      {"[machine]\nprofile = \"fanuc-0i-t\"\n[path]\ntolerance_deg = 0\n", "t.toml:4: [path]", "tolerance_deg"},
       {"[machine]\nprofile = \"fanuc-0i-t\"\n[memory]\nprograms_kb = 0\n", "t.toml:4: [memory]",
        "programs_kb"},
       {"[machine]\nprofile = \"fanuc-0i-t\"\n[axes.X]\n", "t.toml:", "not a section"},
@@ -187,12 +191,15 @@ TEST(MachineFile, WrittenAndReadAgainIsTheSame) {
       parsed("[axis.A]\nmin_mm = -0.1\n[axis.X]\npitch_error = [[-1.25, 0.3], [0.1, 7]]\n", "fanuc-0i-m");
   machine.name = "a \"quoted\" \\ 名";
   machine.tolerance_mm = 1.0 / 3;
+  machine.tolerance_deg = 2.0 / 3;
   machine.axes[1].rapid_mm_min = 12'345.678'9;
   const std::string once = to_toml(machine);
   const auto again = parsed(once);
   EXPECT_EQ(to_toml(again), once);
   EXPECT_EQ(again.name, machine.name);
   EXPECT_EQ(again.tolerance_mm, machine.tolerance_mm);
+  EXPECT_EQ(again.tolerance_deg, machine.tolerance_deg);
+  EXPECT_EQ(parsed("[path]\ntolerance_mm = 0.003\n", "fanuc-0i-m").tolerance_deg, 0.003) << "the number of mm";
   EXPECT_EQ(again.axes[1].rapid_mm_min, 12'345.678'9);
   ASSERT_EQ(again.axes[0].pitch_error.size(), 2u);
   EXPECT_EQ(again.axes[0].pitch_error[1].error_um, 7);

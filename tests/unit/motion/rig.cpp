@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "motion/geometry.hpp"
+
 namespace headstock::motion::rig {
 
 machine::Machine machine(std::size_t axes, double speed, double acceleration, double jerk, double rapid) {
@@ -26,7 +28,7 @@ Run run(Kernel& kernel, const machine::Machine& machine, const std::vector<Move>
   Run result;
   const double period_s = machine.period_us * 1e-6;
   LimitsCheck limits(machine.axes.size(), period_s);
-  PathError error(machine.axes.size());
+  PathError error(machine.axes.size(), tolerance_weights(machine));
   kernel.set_position(options.start);
   limits.add(options.start);
   error.start(options.start);
