@@ -136,7 +136,7 @@ TEST(Options, DependOnEachOther) {
   EXPECT_EQ(tell({"--page", "--coverage"}), "");
   EXPECT_TRUE(page && coverage && !json);
   EXPECT_EQ(tell({"--page"}), said("--page requires --coverage"));
-  EXPECT_EQ(tell({"--page", "--coverage", "--json"}), said("--json excludes --page"));
+  EXPECT_EQ(tell({"--page", "--coverage", "--json"}), said("--page excludes --json"));
 }
 
 TEST(Options, ADefectiveDescriptionIsNoticedAtOnce) {
