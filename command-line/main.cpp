@@ -1,15 +1,14 @@
 // `headstock`: the client of the server, and the tools that need no server.
 
-#include <CLI/CLI.hpp>
-
 #include "client/client.hpp"
 #include "offline/offline.hpp"
 #include "offline/simulate.hpp"
+#include "protocol/process/options.hpp"
 
 int main(int argc, char** argv) {
-  CLI::App app{"Headstock: machine-shop programs, machines and controllers", "headstock"};
-  app.set_version_flag("--version", std::string("headstock ") + HEADSTOCK_VERSION);
-  app.require_subcommand(1);
+  headstock::options::Program app("Headstock: machine-shop programs, machines and controllers", "headstock");
+  app.version(std::string("headstock ") + HEADSTOCK_VERSION);
+  app.requires_command();
   headstock::client::Context context;
   headstock::offline::add_interpret(app, context.status);
   headstock::offline::add_check(app, context.status);
@@ -21,10 +20,6 @@ int main(int argc, char** argv) {
   headstock::client::add_client(app, context);
   app.footer("Exit status of the client's commands: 0 done, 1 usage or a local file, 2 refused by server or machine,\n"
              "3 server not reachable, 4 not signed in. The offline tools: 0 done, 1 usage or a file, 2 an alarm.");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
+  if (const auto ended = app.parse(argc, argv, 1)) return *ended;
   return context.status;
 }

@@ -4,13 +4,12 @@
 #include <iostream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include <termios.h>
 #include <unistd.h>
 
 #include "command-line/client/client.hpp"
 #include "command-line/client/output.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::client {
 
@@ -94,10 +93,10 @@ std::string user_table(const json& list) {
                rows);
 }
 
-void add_users(CLI::App& app, Context& context) {
-  auto* users = app.add_subcommand("users", "Users and their roles (administrator)");
-  users->require_subcommand(1);
-  users->add_subcommand("list", "All users")->callback([&context] {
+void add_users(options::Command app, Context& context) {
+  auto users = app.add_command("users", "Users and their roles (administrator)");
+  users.requires_command();
+  users.add_command("list", "All users").callback([&context] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto list = server.get("/users").at("items");
@@ -105,14 +104,14 @@ void add_users(CLI::App& app, Context& context) {
     });
   });
   const auto fields = std::make_shared<UserFields>();
-  const auto roles = CLI::IsMember({"viewer", "operator", "programmer", "setter", "administrator"});
-  auto* add = users->add_subcommand("add", "Create a user");
-  add->add_option("USER", fields->user)->required();
-  add->add_option("--role", fields->role)->required()->check(roles);
-  add->add_option("--name", fields->name);
-  add->add_option("--language", fields->language)->check(CLI::IsMember({"en", "zh"}));
-  add->add_option("--password-file", fields->password_file, "File with the first password, - for stdin");
-  add->callback([&context, fields] {
+  const std::vector<std::string> roles = {"viewer", "operator", "programmer", "setter", "administrator"};
+  auto add = users.add_command("add", "Create a user");
+  add.option("USER", fields->user).required();
+  add.option("--role", fields->role).required().one_of(roles);
+  add.option("--name", fields->name);
+  add.option("--language", fields->language).one_of({"en", "zh"});
+  add.option("--password-file", fields->password_file, "File with the first password, - for stdin");
+  add.callback([&context, fields] {
     guarded(context, [&] {
       auto server = context.connect();
       json body = {{"user", fields->user}, {"role", fields->role}};
@@ -123,15 +122,15 @@ void add_users(CLI::App& app, Context& context) {
       show(context, user, user_table(json::array({user})));
     });
   });
-  auto* set = users->add_subcommand("set", "Change a user");
-  set->add_option("USER", fields->user)->required();
-  set->add_option("--role", fields->role)->check(roles);
-  set->add_option("--name", fields->name);
-  set->add_option("--language", fields->language)->check(CLI::IsMember({"en", "zh"}));
-  set->add_option("--password-file", fields->password_file, "File with a new password, - for stdin");
-  set->add_flag("--disable", fields->disable);
-  set->add_flag("--enable", fields->enable)->excludes("--disable");
-  set->callback([&context, fields] {
+  auto set = users.add_command("set", "Change a user");
+  set.option("USER", fields->user).required();
+  set.option("--role", fields->role).one_of(roles);
+  set.option("--name", fields->name);
+  set.option("--language", fields->language).one_of({"en", "zh"});
+  set.option("--password-file", fields->password_file, "File with a new password, - for stdin");
+  set.flag("--disable", fields->disable);
+  set.flag("--enable", fields->enable).excludes("--disable");
+  set.callback([&context, fields] {
     guarded(context, [&] {
       auto server = context.connect();
       json body = json::object();
@@ -144,9 +143,9 @@ void add_users(CLI::App& app, Context& context) {
       show(context, user, user_table(json::array({user})));
     });
   });
-  auto* remove = users->add_subcommand("remove", "Remove a user; what they did stays in the records");
-  remove->add_option("USER", fields->user)->required();
-  remove->callback([&context, fields] {
+  auto remove = users.add_command("remove", "Remove a user; what they did stays in the records");
+  remove.option("USER", fields->user).required();
+  remove.callback([&context, fields] {
     guarded(context, [&] {
       auto server = context.connect();
       server.send("DELETE", "/users/" + find_user(server, fields->user).at("id").dump(), nullptr);
@@ -157,16 +156,16 @@ void add_users(CLI::App& app, Context& context) {
 
 }  // namespace
 
-void add_account_commands(CLI::App& app, Context& context) {
+void add_account_commands(options::Command app, Context& context) {
   const auto given = std::make_shared<Login>();
-  auto* in = app.add_subcommand("login", "Sign in to a server; the token is kept in a file only you can read");
-  in->add_option("--server", given->server, "http://127.0.0.1:8080 or https://…")->required();
-  in->add_option("--user", given->user)->required();
-  in->add_option("--password-file", given->password_file, "File with the password, - for stdin; asked for unless given");
-  in->add_option("--ca", given->ca, "CA certificate (PEM) to trust, for servers that made their own");
-  in->callback([&context, given] { guarded(context, [&] { login(context, *given); }); });
+  auto in = app.add_command("login", "Sign in to a server; the token is kept in a file only you can read");
+  in.option("--server", given->server, "http://127.0.0.1:8080 or https://…").required();
+  in.option("--user", given->user).required();
+  in.option("--password-file", given->password_file, "File with the password, - for stdin; asked for unless given");
+  in.option("--ca", given->ca, "CA certificate (PEM) to trust, for servers that made their own");
+  in.callback([&context, given] { guarded(context, [&] { login(context, *given); }); });
 
-  app.add_subcommand("logout", "Sign out and forget the token")->callback([&context] {
+  app.add_command("logout", "Sign out and forget the token").callback([&context] {
     guarded(context, [&] {
       auto server = context.connect();
       context.forget();   // also when the server cannot be told
@@ -179,10 +178,10 @@ void add_account_commands(CLI::App& app, Context& context) {
     std::string old_file, new_file;
   };
   const auto passwords = std::make_shared<Passwords>();
-  auto* password = app.add_subcommand("password", "Change the own password");
-  password->add_option("--old-file", passwords->old_file, "File with the old password");
-  password->add_option("--new-file", passwords->new_file, "File with the new password");
-  password->callback([&context, passwords] {
+  auto password = app.add_command("password", "Change the own password");
+  password.option("--old-file", passwords->old_file, "File with the old password");
+  password.option("--new-file", passwords->new_file, "File with the new password");
+  password.callback([&context, passwords] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto old_one = read_password(passwords->old_file, say("Old password: ", "旧密码："));

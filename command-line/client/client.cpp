@@ -6,13 +6,12 @@
 #include <iostream>
 #include <thread>
 
-#include <CLI/CLI.hpp>
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "command-line/client/output.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::client {
 
@@ -128,11 +127,11 @@ json finished(Connection& server, json answer) {
   return answer.at("result");
 }
 
-void add_client(CLI::App& app, Context& context) {
-  app.add_flag("--json", context.as_json, "Print JSON (one object or array) instead of text");
-  app.add_option("--lang", context.language, "en or zh; from the environment unless given")->check(CLI::IsMember({"en", "zh"}));
-  app.add_option("--session", context.session_file, "File that keeps the sign-in (default: ~/.config/headstock/session)");
-  app.fallthrough();
+void add_client(options::Command app, Context& context) {
+  app.flag("--json", context.as_json, "Print JSON (one object or array) instead of text");
+  app.option("--lang", context.language, "en or zh; from the environment unless given").one_of({"en", "zh"});
+  app.option("--session", context.session_file, "File that keeps the sign-in (default: ~/.config/headstock/session)");
+  app.shares_options();
   add_account_commands(app, context);
   add_machine_commands(app, context);
   add_program_commands(app, context);

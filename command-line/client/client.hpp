@@ -7,8 +7,8 @@
 
 #include "command-line/client/connection.hpp"
 
-namespace CLI {
-class App;
+namespace headstock::options {
+class Command;
 }
 
 namespace headstock::client {
@@ -36,17 +36,17 @@ void guarded(Context& context, const std::function<void()>& body);
 /// With --json the value, otherwise the text.
 void show(const Context& context, const json& value, const std::string& text);
 
-void add_account_commands(CLI::App& app, Context& context);   // login, logout, users
-void add_machine_commands(CLI::App& app, Context& context);   // machines, alarms, parts
-void add_program_commands(CLI::App& app, Context& context);   // programs …
-void add_operate_commands(CLI::App& app, Context& context);   // run, hold, reset, drip, watch
-void add_port_commands(CLI::App& app, Context& context);      // ports, received
-void add_value_commands(CLI::App& app, Context& context);     // offsets, tool-life, parameters, variables, recount
-void add_port_record_commands(CLI::App& ports, Context& context);   // of `ports`: census, plans, log, tail, data
-void add_keeping_commands(CLI::App& app, Context& context);   // audit, backup
+void add_account_commands(options::Command app, Context& context);   // login, logout, users
+void add_machine_commands(options::Command app, Context& context);   // machines, alarms, parts
+void add_program_commands(options::Command app, Context& context);   // programs …
+void add_operate_commands(options::Command app, Context& context);   // run, hold, reset, drip, watch
+void add_port_commands(options::Command app, Context& context);      // ports, received
+void add_value_commands(options::Command app, Context& context);     // offsets, tool-life, parameters, variables, recount
+void add_port_record_commands(options::Command ports, Context& context);   // of `ports`: census, plans, log, tail, data
+void add_keeping_commands(options::Command app, Context& context);   // audit, backup
 
 /// Adds --json, --lang, --session and all groups.
-void add_client(CLI::App& app, Context& context);
+void add_client(options::Command app, Context& context);
 
 /// The machine with this id or name. Throws Failure{refused}.
 json find_machine(Connection& server, const std::string& wanted);

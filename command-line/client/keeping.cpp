@@ -1,5 +1,4 @@
 // audit, backup, view-tokens: what an administrator keeps the shop with.
-#include <CLI/CLI.hpp>
 
 #include <fstream>
 #include <iostream>
@@ -7,6 +6,7 @@
 
 #include "command-line/client/client.hpp"
 #include "command-line/client/output.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::client {
 
@@ -67,17 +67,17 @@ void verify_audit(Context& context, const AuditOptions& given) {
                            found.value("hash", std::string()));
 }
 
-void add_audit(CLI::App& app, Context& context) {
-  auto* audit = app.add_subcommand("audit", "Who changed what (administrator)");
-  audit->require_subcommand(1);
+void add_audit(options::Command app, Context& context) {
+  auto audit = app.add_command("audit", "Who changed what (administrator)");
+  audit.requires_command();
   const auto options = std::make_shared<AuditOptions>();
-  auto* check = audit->add_subcommand("verify", "Is the chain of the audit trail whole? Exit status 2 when it is not");
-  check->add_option("--seen", options->seen, "File that remembers the newest row between calls, so that a cut-off end is found");
-  check->callback([&context, options] { guarded(context, [&] { verify_audit(context, *options); }); });
+  auto check = audit.add_command("verify", "Is the chain of the audit trail whole? Exit status 2 when it is not");
+  check.option("--seen", options->seen, "File that remembers the newest row between calls, so that a cut-off end is found");
+  check.callback([&context, options] { guarded(context, [&] { verify_audit(context, *options); }); });
   const auto limit = std::make_shared<int>(100);
-  auto* list = audit->add_subcommand("list", "The newest rows");
-  list->add_option("--limit", *limit, "How many")->check(CLI::Range(1, 1000))->capture_default_str();
-  list->callback([&context, limit] {
+  auto list = audit.add_command("list", "The newest rows");
+  list.option("--limit", *limit, "How many").between(1, 1000).shows_default();
+  list.callback([&context, limit] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto answer = server.get("/audit?limit=" + std::to_string(*limit));
@@ -108,15 +108,15 @@ std::string restored_text(const json& answer) {
   return text;
 }
 
-void add_backup(CLI::App& app, Context& context) {
-  auto* backup = app.add_subcommand("backup", "Backups of the server and of machines");
-  backup->require_subcommand(1);
+void add_backup(options::Command app, Context& context) {
+  auto backup = app.add_command("backup", "Backups of the server and of machines");
+  backup.requires_command();
   const auto options = std::make_shared<BackupOptions>();
 
-  auto* make = backup->add_subcommand("make", "Everything of one machine, or of the whole server while it runs");
-  make->add_option("--machine", options->machine, "Only this machine (name or number)");
-  make->add_option("-o,--output", options->output, "Also bring the file here");
-  make->callback([&context, options] {
+  auto make = backup.add_command("make", "Everything of one machine, or of the whole server while it runs");
+  make.option("--machine", options->machine, "Only this machine (name or number)");
+  make.option("-o,--output", options->output, "Also bring the file here");
+  make.callback([&context, options] {
     guarded(context, [&] {
       auto server = context.connect();
       const std::string path = options->machine.empty()
@@ -128,42 +128,42 @@ void add_backup(CLI::App& app, Context& context) {
       show(context, row, backup_table(json::array({row})));
     });
   });
-  backup->add_subcommand("list", "Backups that the server keeps")->callback([&context] {
+  backup.add_command("list", "Backups that the server keeps").callback([&context] {
     guarded(context, [&] {
       const auto list = context.connect().get("/backups").at("items");
       show(context, list, backup_table(list));
     });
   });
-  auto* get = backup->add_subcommand("get", "Bring a backup's file here");
-  get->add_option("id", options->id, "Its number")->required();
-  get->add_option("-o,--output", options->output, "File")->required();
-  get->callback([&context, options] {
+  auto get = backup.add_command("get", "Bring a backup's file here");
+  get.option("id", options->id, "Its number").required();
+  get.option("-o,--output", options->output, "File").required();
+  get.callback([&context, options] {
     guarded(context, [&] {
       auto server = context.connect();
       bring_here(server, {{"id", options->id}}, options->output);
       show(context, {{"file", options->output.string()}}, options->output.string());
     });
   });
-  auto* verify = backup->add_subcommand("verify", "Read it all and compare every checksum");
-  verify->add_option("id", options->id, "Its number")->required();
-  verify->callback([&context, options] {
+  auto verify = backup.add_command("verify", "Read it all and compare every checksum");
+  verify.option("id", options->id, "Its number").required();
+  verify.callback([&context, options] {
     guarded(context, [&] {
       const auto answer = context.connect().get("/backups/" + std::to_string(options->id) + "/verification");
       show(context, answer, say("whole, entries: ", "完整，条目数：") + cell(answer.at("entries")));
     });
   });
-  auto* bring = backup->add_subcommand("bring", "Give the server a backup file to keep");
-  bring->add_option("file", options->file, "The file")->required()->check(CLI::ExistingFile);
-  bring->callback([&context, options] {
+  auto bring = backup.add_command("bring", "Give the server a backup file to keep");
+  bring.option("file", options->file, "The file").required().existing_file();
+  bring.callback([&context, options] {
     guarded(context, [&] {
       const auto row = context.connect().upload("/backups/file", options->file, [](std::uint64_t, std::uint64_t) {});
       show(context, row, backup_table(json::array({row})));
     });
   });
-  auto* restore = backup->add_subcommand("restore", "Bring a machine's backup back to it or to a replacement");
-  restore->add_option("id", options->id, "Number of the backup")->required();
-  restore->add_option("--machine", options->machine, "The machine (name or number)")->required();
-  restore->callback([&context, options] {
+  auto restore = backup.add_command("restore", "Bring a machine's backup back to it or to a replacement");
+  restore.option("id", options->id, "Number of the backup").required();
+  restore.option("--machine", options->machine, "The machine (name or number)").required();
+  restore.callback([&context, options] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto machine = find_machine(server, options->machine).at("id").get<std::int64_t>();
@@ -171,12 +171,12 @@ void add_backup(CLI::App& app, Context& context) {
       show(context, answer, restored_text(answer));
     });
   });
-  backup->footer("A whole server is restored without one running: headstock-server --data EMPTY-FOLDER --restore FILE");
+  backup.footer("A whole server is restored without one running: headstock-server --data EMPTY-FOLDER --restore FILE");
 }
 
 }  // namespace
 
-void add_keeping_commands(CLI::App& app, Context& context) {
+void add_keeping_commands(options::Command app, Context& context) {
   add_audit(app, context);
   add_backup(app, context);
 }

@@ -4,10 +4,9 @@
 #include <iterator>
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "command-line/client/client.hpp"
 #include "command-line/client/output.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::client {
 
@@ -44,7 +43,7 @@ std::string read_text(const std::string& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-void add_machines(CLI::App& app, Context& context) {
+void add_machines(options::Command app, Context& context) {
   struct Fields {
     std::string machine, name, profile, toml;
     bool yes = false;
@@ -57,17 +56,17 @@ void add_machines(CLI::App& app, Context& context) {
       show(context, machines, machine_table(machines));
     });
   };
-  auto* machines = app.add_subcommand("machines", "Machines: list, add, token, show, resident, remove");
-  machines->require_subcommand(0, 1);
-  machines->callback([machines, list] {
-    if (machines->get_subcommands().empty()) list();
+  auto machines = app.add_command("machines", "Machines: list, add, token, show, resident, remove");
+  machines.allows_command();
+  machines.callback([machines, list] {
+    if (machines.alone()) list();
   });
-  machines->add_subcommand("list", "All machines and what they do")->callback(list);
-  auto* add = machines->add_subcommand("add", "Create a machine and a token with which its agent enrols once");
-  add->add_option("NAME", fields->name)->required();
-  add->add_option("--profile", fields->profile, "fanuc-0i-t, fanuc-0i-m, gsk-2000tc, gsk-218t, k2000tc, lathe-200t")->required();
-  add->add_option("--machine", fields->toml, "Machine file (TOML): axes, limits, spindle");
-  add->callback([&context, fields] {
+  machines.add_command("list", "All machines and what they do").callback(list);
+  auto add = machines.add_command("add", "Create a machine and a token with which its agent enrols once");
+  add.option("NAME", fields->name).required();
+  add.option("--profile", fields->profile, "fanuc-0i-t, fanuc-0i-m, gsk-2000tc, gsk-218t, k2000tc, lathe-200t").required();
+  add.option("--machine", fields->toml, "Machine file (TOML): axes, limits, spindle");
+  add.callback([&context, fields] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto made = server.send("POST", "/machines",
@@ -76,9 +75,9 @@ void add_machines(CLI::App& app, Context& context) {
                               made.at("enrolment_token").get<std::string>());
     });
   });
-  auto* token = machines->add_subcommand("token", "A new one-time token for a machine's agent");
-  token->add_option("MACHINE", fields->machine)->required();
-  token->callback([&context, fields] {
+  auto token = machines.add_command("token", "A new one-time token for a machine's agent");
+  token.option("MACHINE", fields->machine).required();
+  token.callback([&context, fields] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto id = find_machine(server, fields->machine).at("id").dump();
@@ -86,18 +85,18 @@ void add_machines(CLI::App& app, Context& context) {
       show(context, made, made.at("enrolment_token").get<std::string>());
     });
   });
-  auto* one = machines->add_subcommand("show", "One machine as JSON");
-  one->add_option("MACHINE", fields->machine)->required();
-  one->callback([&context, fields] {
+  auto one = machines.add_command("show", "One machine as JSON");
+  one.option("MACHINE", fields->machine).required();
+  one.callback([&context, fields] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto machine = server.get("/machines/" + find_machine(server, fields->machine).at("id").dump());
       show(context, machine, machine.dump(2));
     });
   });
-  auto* resident = machines->add_subcommand("resident", "Programs in a machine's memory");
-  resident->add_option("MACHINE", fields->machine)->required();
-  resident->callback([&context, fields] {
+  auto resident = machines.add_command("resident", "Programs in a machine's memory");
+  resident.option("MACHINE", fields->machine).required();
+  resident.callback([&context, fields] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto programs = server.get("/machines/" + find_machine(server, fields->machine).at("id").dump() + "/programs").at("items");
@@ -109,9 +108,9 @@ void add_machines(CLI::App& app, Context& context) {
                                      say("selected", "已选择"), say("since", "自")}, rows));
     });
   });
-  auto* remove = machines->add_subcommand("remove", "Remove a machine; its history stays");
-  remove->add_option("MACHINE", fields->machine)->required();
-  remove->callback([&context, fields] {
+  auto remove = machines.add_command("remove", "Remove a machine; its history stays");
+  remove.option("MACHINE", fields->machine).required();
+  remove.callback([&context, fields] {
     guarded(context, [&] {
       auto server = context.connect();
       server.send("DELETE", "/machines/" + find_machine(server, fields->machine).at("id").dump(), nullptr);
@@ -126,11 +125,11 @@ struct History {
   int limit = 100;
 };
 
-void add_history_options(CLI::App& command, History& history) {
-  command.add_option("--machine", history.machine, "Only this machine (id or name)");
-  command.add_option("--from", history.from, "Time or date, inclusive (UTC)");
-  command.add_option("--to", history.to, "Time or date, exclusive (UTC)");
-  command.add_option("--limit", history.limit, "At most so many, newest first")->capture_default_str()->check(CLI::Range(1, 1000));
+void add_history_options(options::Command command, History& history) {
+  command.option("--machine", history.machine, "Only this machine (id or name)");
+  command.option("--from", history.from, "Time or date, inclusive (UTC)");
+  command.option("--to", history.to, "Time or date, exclusive (UTC)");
+  command.option("--limit", history.limit, "At most so many, newest first").shows_default().between(1, 1000);
 }
 
 std::string query_of(Connection& server, const History& history) {
@@ -146,15 +145,15 @@ std::string query_of(Connection& server, const History& history) {
 
 }  // namespace
 
-void add_machine_commands(CLI::App& app, Context& context) {
+void add_machine_commands(options::Command app, Context& context) {
   add_machines(app, context);
   const auto history = std::make_shared<History>();
-  auto* alarms = app.add_subcommand("alarms", "Alarm history, newest first");
-  add_history_options(*alarms, *history);
-  alarms->add_option("--code", history->code, "Exactly this code");
-  alarms->add_option("--text", history->text, "Part of code, text, program or block");
-  alarms->add_flag("--active", history->active, "Only alarms not cleared");
-  alarms->callback([&context, history] {
+  auto alarms = app.add_command("alarms", "Alarm history, newest first");
+  add_history_options(alarms, *history);
+  alarms.option("--code", history->code, "Exactly this code");
+  alarms.option("--text", history->text, "Part of code, text, program or block");
+  alarms.flag("--active", history->active, "Only alarms not cleared");
+  alarms.callback([&context, history] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto list = server.get("/alarms" + query_of(server, *history)).at("items");
@@ -166,9 +165,9 @@ void add_machine_commands(CLI::App& app, Context& context) {
                                  say("program", "程序"), say("line", "行"), say("cleared", "解除")}, rows));
     });
   });
-  auto* parts = app.add_subcommand("parts", "Parts counted, newest first");
-  add_history_options(*parts, *history);
-  parts->callback([&context, history] {
+  auto parts = app.add_command("parts", "Parts counted, newest first");
+  add_history_options(parts, *history);
+  parts.callback([&context, history] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto answer = server.get("/parts" + query_of(server, *history));

@@ -5,10 +5,9 @@
 #include <memory>
 #include <thread>
 
-#include <CLI/CLI.hpp>
-
 #include "command-line/client/client.hpp"
 #include "command-line/client/output.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::client {
 
@@ -137,29 +136,29 @@ void watch(const Context& context, const RunFields& fields) {
 
 }  // namespace
 
-void add_operate_commands(CLI::App& app, Context& context) {
+void add_operate_commands(options::Command app, Context& context) {
   const auto fields = std::make_shared<RunFields>();
   const auto add = [&](const char* name, const char* about, auto body) {
-    auto* added = app.add_subcommand(name, about);
-    added->callback([&context, fields, body] { guarded(context, [&] { body(context, *fields); }); });
+    auto added = app.add_command(name, about);
+    added.callback([&context, fields, body] { guarded(context, [&] { body(context, *fields); }); });
     return added;
   };
-  auto* start = add("run", "Select a resident program and press cycle start (remote operation must be armed at the machine)", run);
-  start->add_option("MACHINE", fields->machine)->required();
-  start->add_option("PROGRAM", fields->program, "Name in the machine's memory")->required();
-  start->add_flag("--wait", fields->wait, "Until the run has ended; exit status 2 unless it was completed");
+  auto start = add("run", "Select a resident program and press cycle start (remote operation must be armed at the machine)", run);
+  start.option("MACHINE", fields->machine).required();
+  start.option("PROGRAM", fields->program, "Name in the machine's memory").required();
+  start.flag("--wait", fields->wait, "Until the run has ended; exit status 2 unless it was completed");
   add("hold", "Feed hold", [](Context& c, const RunFields& f) { command(c, f, "feed_hold"); })
-      ->add_option("MACHINE", fields->machine)->required();
+      .option("MACHINE", fields->machine).required();
   add("reset", "Reset: ends the program and clears alarms", [](Context& c, const RunFields& f) { command(c, f, "reset"); })
-      ->add_option("MACHINE", fields->machine)->required();
-  auto* feed = add("drip", "Drip-feed a released program that is larger than the machine's memory", drip);
-  feed->add_option("MACHINE", fields->machine)->required();
-  feed->add_option("PROGRAM", fields->program)->required();
-  feed->add_option("--revision", fields->revision)->check(CLI::PositiveNumber);
-  feed->add_flag("--wait", fields->wait, "Until it is over; exit status 2 unless done");
-  auto* live = add("watch", "Live states and events, until interrupted", watch);
-  live->add_option("MACHINE", fields->machine, "Only this machine");
-  live->add_option("--events", fields->events, "Stop after so many messages");
+      .option("MACHINE", fields->machine).required();
+  auto feed = add("drip", "Drip-feed a released program that is larger than the machine's memory", drip);
+  feed.option("MACHINE", fields->machine).required();
+  feed.option("PROGRAM", fields->program).required();
+  feed.option("--revision", fields->revision).positive();
+  feed.flag("--wait", fields->wait, "Until it is over; exit status 2 unless done");
+  auto live = add("watch", "Live states and events, until interrupted", watch);
+  live.option("MACHINE", fields->machine, "Only this machine");
+  live.option("--events", fields->events, "Stop after so many messages");
 }
 
 }  // namespace headstock::client

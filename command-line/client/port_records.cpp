@@ -4,10 +4,9 @@
 #include <iostream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "command-line/client/client.hpp"
 #include "command-line/client/output.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::client {
 
@@ -19,9 +18,9 @@ struct Asked {
 };
 
 template <class Run>
-CLI::App* verb(CLI::App& app, Context& context, const std::shared_ptr<Asked>& asked, const char* name, const char* about, Run run) {
-  auto* made = app.add_subcommand(name, about);
-  made->callback([&context, asked, run] {
+options::Command verb(options::Command app, Context& context, const std::shared_ptr<Asked>& asked, const char* name, const char* about, Run run) {
+  auto made = app.add_command(name, about);
+  made.callback([&context, asked, run] {
     guarded(context, [&] {
       auto server = context.connect();
       run(context, server, *asked);
@@ -104,30 +103,30 @@ void data(Context& context, Connection& server, const Asked& asked) {
 
 }  // namespace
 
-void add_port_record_commands(CLI::App& ports, Context& context) {
+void add_port_record_commands(options::Command ports, Context& context) {
   const auto asked = std::make_shared<Asked>();
   verb(ports, context, asked, "census", "What lies in every machine: revision, since when, proven by what", census)
-      ->add_option("--machine", asked->machine, "Only this machine");
+      .option("--machine", asked->machine, "Only this machine");
   verb(ports, context, asked, "plans", "What is to be sent at a time, and what became of it", plans);
   verb(ports, context, asked, "unplan", "Take a plan back", [](Context& to, Connection& server, const Asked& given) {
     const auto plan = server.send("DELETE", "/port-plans/" + std::to_string(given.id));
     show(to, plan, cell(plan.at("name")) + " " + cell(plan.at("state")));
-  })->add_option("ID", asked->id, "Number of the plan")->required();
-  auto* table = verb(ports, context, asked, "log", "Every transfer, over ports and to agents, as comma-separated values", log);
-  table->add_option("--from", asked->from, "Begun at this time or later (ISO 8601 or a date)");
-  table->add_option("--to", asked->to, "Begun before this time");
-  table->add_option("--machine", asked->machine, "Only this machine");
-  table->add_option("-o,--output", asked->output, "File to write (standard output when left out)");
+  }).option("ID", asked->id, "Number of the plan").required();
+  auto table = verb(ports, context, asked, "log", "Every transfer, over ports and to agents, as comma-separated values", log);
+  table.option("--from", asked->from, "Begun at this time or later (ISO 8601 or a date)");
+  table.option("--to", asked->to, "Begun before this time");
+  table.option("--machine", asked->machine, "Only this machine");
+  table.option("-o,--output", asked->output, "File to write (standard output when left out)");
   verb(ports, context, asked, "certificate", "What is known of one transfer", [](Context& to, Connection& server, const Asked& given) {
     const auto one = server.get("/port-transfers/" + std::to_string(given.id));
     show(to, one, one.dump(2));
-  })->add_option("TRANSFER", asked->id, "Number of the transfer")->required();
+  }).option("TRANSFER", asked->id, "Number of the transfer").required();
   verb(ports, context, asked, "tail", "The last characters that really went out of a transfer", tail)
-      ->add_option("TRANSFER", asked->id, "Number of the transfer")->required();
-  auto* sets = verb(ports, context, asked, "data", "Machine data that controls have punched; with ID the values and what changed", data);
-  sets->add_option("ID", asked->id, "Number of a set");
-  sets->add_option("--machine", asked->machine, "Only this machine");
-  sets->add_option("--kind", asked->kind, "tool_offsets, work_offsets, parameters, pitch_error, macro_variables, tool_life");
+      .option("TRANSFER", asked->id, "Number of the transfer").required();
+  auto sets = verb(ports, context, asked, "data", "Machine data that controls have punched; with ID the values and what changed", data);
+  sets.option("ID", asked->id, "Number of a set");
+  sets.option("--machine", asked->machine, "Only this machine");
+  sets.option("--kind", asked->kind, "tool_offsets, work_offsets, parameters, pitch_error, macro_variables, tool_life");
 }
 
 }  // namespace headstock::client

@@ -7,10 +7,9 @@
 #include <memory>
 #include <thread>
 
-#include <CLI/CLI.hpp>
-
 #include "command-line/client/client.hpp"
 #include "command-line/client/output.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::client {
 
@@ -178,21 +177,21 @@ void monitor(Context& context, const Fields& given) {
 }
 
 template <class Do>
-void command(CLI::App& app, Context& context, const std::shared_ptr<Fields>& fields, const char* verb, const char* about, Do action,
+void command(options::Command app, Context& context, const std::shared_ptr<Fields>& fields, const char* verb, const char* about, Do action,
              bool needs_port = true) {
-  auto* made = app.add_subcommand(verb, about);
-  if (needs_port) made->add_option("PORT", fields->port, "Number or name")->required();
-  action.options(*made);
-  made->callback([&context, fields, run = action.run] { guarded(context, [&] { run(context, *fields); }); });
+  auto made = app.add_command(verb, about);
+  if (needs_port) made.option("PORT", fields->port, "Number or name").required();
+  action.options(made);
+  made.callback([&context, fields, run = action.run] { guarded(context, [&] { run(context, *fields); }); });
 }
 
 struct Verb {
-  std::function<void(CLI::App&)> options = [](CLI::App&) {};
+  std::function<void(options::Command)> options = [](options::Command) {};
   std::function<void(Context&, const Fields&)> run;
 };
 
 Verb steering(const char* verb) {
-  return {[](CLI::App&) {}, [verb](Context& context, const Fields& given) {
+  return {[](options::Command) {}, [verb](Context& context, const Fields& given) {
             auto server = context.connect();
             const auto port = server.send("POST", path_of(find_port(server, given.port), verb));
             show(context, port, port_table(json::array({port})));
@@ -200,9 +199,9 @@ Verb steering(const char* verb) {
 }
 
 Verb deciding(const char* verb, const std::shared_ptr<Fields>& fields) {
-  return {[fields](CLI::App& made) {
-            made.add_option("ID", fields->id, "Number of what was received")->required();
-            made.add_option("--why", fields->why, "Reason");
+  return {[fields](options::Command made) {
+            made.option("ID", fields->id, "Number of what was received").required();
+            made.option("--why", fields->why, "Reason");
           },
           [verb](Context& context, const Fields& given) {
             auto server = context.connect();
@@ -232,9 +231,9 @@ std::string outcome_of(const json& row) {
 Verb accepting(const std::shared_ptr<Fields>& fields) {
   Verb verb = deciding("accept", fields);
   const auto options = verb.options;
-  verb.options = [fields, options](CLI::App& made) {
+  verb.options = [fields, options](options::Command made) {
     options(made);
-    made.add_flag("--write", fields->write, "Machine data of a machine with an agent: write what differs into it");
+    made.flag("--write", fields->write, "Machine data of a machine with an agent: write what differs into it");
   };
   verb.run = [](Context& context, const Fields& given) {
     auto server = context.connect();
@@ -246,10 +245,10 @@ Verb accepting(const std::shared_ptr<Fields>& fields) {
 
 }  // namespace
 
-void add_port_commands(CLI::App& app, Context& context) {
+void add_port_commands(options::Command app, Context& context) {
   const auto fields = std::make_shared<Fields>();
-  auto* ports = app.add_subcommand("ports", "Serial ports of the server: list, add, send, receive, monitor …");
-  ports->require_subcommand(0, 1);
+  auto ports = app.add_command("ports", "Serial ports of the server: list, add, send, receive, monitor …");
+  ports.allows_command();
   const auto list = [&context] {
     guarded(context, [&] {
       auto server = context.connect();
@@ -257,25 +256,25 @@ void add_port_commands(CLI::App& app, Context& context) {
       show(context, items, port_table(items));
     });
   };
-  ports->callback([ports, list] {
-    if (ports->get_subcommands().empty()) list();
+  ports.callback([ports, list] {
+    if (ports.alone()) list();
   });
-  ports->add_subcommand("list", "All ports and what they do")->callback(list);
-  const auto settings = [fields](CLI::App& made) {
-    made.add_option("--address", fields->address, "/dev/ttyS0, tcp://HOST:PORT, rfc2217://HOST:PORT, agent:MACHINE");
-    made.add_option("--machine", fields->machine, "What stands at the other end");
-    made.add_option("--protocol", fields->protocol, "dc1-dc4, xon-xoff, plain, rts-cts, lathe-200t …");
-    made.add_option("--line", fields->line, "9600-7-E-2-software");
-    made.add_option("--settings", fields->settings, "Further settings as JSON");
-    made.add_option("--folder", fields->folder, "Where received programs belong");
-    made.add_option("--name-rule", fields->name_rule, "What received programs are called by: their O number or their comment")
-        ->check(CLI::IsMember({"number", "comment"}));
-    made.add_option("--rule", fields->rules, "Answer requests: '(GET=*):O*', '(LIST):O9999'; may come several times");
-    made.add_flag("--listen", fields->listen, "Keep the port open, take punches, answer requests");
-    made.add_flag("--no-listen", fields->no_listen, "Open the port only for transfers");
+  ports.add_command("list", "All ports and what they do").callback(list);
+  const auto settings = [fields](options::Command made) {
+    made.option("--address", fields->address, "/dev/ttyS0, tcp://HOST:PORT, rfc2217://HOST:PORT, agent:MACHINE");
+    made.option("--machine", fields->machine, "What stands at the other end");
+    made.option("--protocol", fields->protocol, "dc1-dc4, xon-xoff, plain, rts-cts, lathe-200t …");
+    made.option("--line", fields->line, "9600-7-E-2-software");
+    made.option("--settings", fields->settings, "Further settings as JSON");
+    made.option("--folder", fields->folder, "Where received programs belong");
+    made.option("--name-rule", fields->name_rule, "What received programs are called by: their O number or their comment")
+        .one_of({"number", "comment"});
+    made.option("--rule", fields->rules, "Answer requests: '(GET=*):O*', '(LIST):O9999'; may come several times");
+    made.flag("--listen", fields->listen, "Keep the port open, take punches, answer requests");
+    made.flag("--no-listen", fields->no_listen, "Open the port only for transfers");
   };
-  Verb add{[fields, settings](CLI::App& made) {
-             made.add_option("NAME", fields->name)->required();
+  Verb add{[fields, settings](options::Command made) {
+             made.option("NAME", fields->name).required();
              settings(made);
            },
            [](Context& to, const Fields& given) {
@@ -283,9 +282,9 @@ void add_port_commands(CLI::App& app, Context& context) {
              const auto port = server.send("POST", "/ports", fields_of(server, given));
              show(to, port, port_table(json::array({port})));
            }};
-  command(*ports, context, fields, "add", "Add a port", add, false);
-  Verb edit{[fields, settings](CLI::App& made) {
-              made.add_option("--name", fields->name);
+  command(ports, context, fields, "add", "Add a port", add, false);
+  Verb edit{[fields, settings](options::Command made) {
+              made.option("--name", fields->name);
               settings(made);
             },
             [](Context& to, const Fields& given) {
@@ -302,52 +301,52 @@ void add_port_commands(CLI::App& app, Context& context) {
               const auto port = server.send("PATCH", path_of(found), body);
               show(to, port, port_table(json::array({port})));
             }};
-  command(*ports, context, fields, "edit", "Change a port", edit);
-  command(*ports, context, fields, "remove", "Remove a port; its history stays",
-          Verb{[](CLI::App&) {}, [](Context& to, const Fields& given) {
+  command(ports, context, fields, "edit", "Change a port", edit);
+  command(ports, context, fields, "remove", "Remove a port; its history stays",
+          Verb{[](options::Command) {}, [](Context& to, const Fields& given) {
                  auto server = to.connect();
                  server.send("DELETE", path_of(find_port(server, given.port)), nullptr);
                  show(to, {{"removed", given.port}}, say("removed ", "已删除 ") + given.port);
                }});
-  command(*ports, context, fields, "send", "Send a released program",
-          Verb{[fields](CLI::App& made) {
-                 made.add_option("PROGRAM", fields->program, "Number, name or /folder/name")->required();
-                 made.add_option("--revision", fields->revision, "Released revision (the current release when left out)");
-                 made.add_flag("--drip", fields->drip, "Drip-feed: the control may stop for as long as it likes");
-                 made.add_flag("--queue", fields->queue, "Wait behind what is under way");
-                 made.add_flag("--armed", fields->armed, "Wait for the control's DC1 without limit");
-                 made.add_option("--at", fields->at, "Send at this time (2026-01-31T06:00:00Z), when the control asks");
-                 made.add_option("--from-line", fields->from_line, "Begin at this line, behind a header")->check(CLI::PositiveNumber);
-                 made.add_option("--from-block", fields->from_block, "Begin at this block, counted from 1")->check(CLI::PositiveNumber);
-                 made.add_option("--from-sequence", fields->from_sequence, "Begin at this sequence number (N)")->check(CLI::NonNegativeNumber);
-                 made.add_option("--from-tool", fields->from_tool, "Begin where it changes to this tool")->check(CLI::PositiveNumber);
-                 made.add_option("--occurrence", fields->occurrence, "The n-th such place (1 when left out)")->check(CLI::PositiveNumber);
-                 made.add_option("--header", fields->header, "File with the header you have read and corrected");
-                 made.add_flag("--yes", fields->yes, "I have read the header that is shown");
-                 made.add_flag("--wait", fields->wait, "Wait for the end");
+  command(ports, context, fields, "send", "Send a released program",
+          Verb{[fields](options::Command made) {
+                 made.option("PROGRAM", fields->program, "Number, name or /folder/name").required();
+                 made.option("--revision", fields->revision, "Released revision (the current release when left out)");
+                 made.flag("--drip", fields->drip, "Drip-feed: the control may stop for as long as it likes");
+                 made.flag("--queue", fields->queue, "Wait behind what is under way");
+                 made.flag("--armed", fields->armed, "Wait for the control's DC1 without limit");
+                 made.option("--at", fields->at, "Send at this time (2026-01-31T06:00:00Z), when the control asks");
+                 made.option("--from-line", fields->from_line, "Begin at this line, behind a header").positive();
+                 made.option("--from-block", fields->from_block, "Begin at this block, counted from 1").positive();
+                 made.option("--from-sequence", fields->from_sequence, "Begin at this sequence number (N)").not_negative();
+                 made.option("--from-tool", fields->from_tool, "Begin where it changes to this tool").positive();
+                 made.option("--occurrence", fields->occurrence, "The n-th such place (1 when left out)").positive();
+                 made.option("--header", fields->header, "File with the header you have read and corrected");
+                 made.flag("--yes", fields->yes, "I have read the header that is shown");
+                 made.flag("--wait", fields->wait, "Wait for the end");
                },
                send});
-  command(*ports, context, fields, "receive", "Wait for a punch",
-          Verb{[](CLI::App&) {}, [](Context& to, const Fields& given) {
+  command(ports, context, fields, "receive", "Wait for a punch",
+          Verb{[](options::Command) {}, [](Context& to, const Fields& given) {
                  auto server = to.connect();
                  const auto transfer = server.send("POST", path_of(find_port(server, given.port), "receive"));
                  show(to, transfer, progress_of(transfer));
                }});
-  command(*ports, context, fields, "pause", "Stop sending until resumed", steering("pause"));
-  command(*ports, context, fields, "resume", "Go on sending", steering("resume"));
-  command(*ports, context, fields, "cancel", "End what is under way", steering("cancel"));
-  command(*ports, context, fields, "test", "Loop-back test with a plug that joins RXD and TXD",
-          Verb{[](CLI::App&) {}, [](Context& to, const Fields& given) {
+  command(ports, context, fields, "pause", "Stop sending until resumed", steering("pause"));
+  command(ports, context, fields, "resume", "Go on sending", steering("resume"));
+  command(ports, context, fields, "cancel", "End what is under way", steering("cancel"));
+  command(ports, context, fields, "test", "Loop-back test with a plug that joins RXD and TXD",
+          Verb{[](options::Command) {}, [](Context& to, const Fields& given) {
                  auto server = to.connect();
                  const auto report = server.send("POST", path_of(find_port(server, given.port), "loop-test"));
                  show(to, report, (report.at("ok") == true ? std::string("ok") : cell(report.at("reason"))) + ": " +
                                       cell(report.at("sent")) + " → " + cell(report.at("received")));
                  if (report.at("ok") != true) to.status = refused;
                }});
-  command(*ports, context, fields, "monitor", "What went over the line",
-          Verb{[fields](CLI::App& made) { made.add_flag("-f,--follow", fields->follow, "Go on showing"); }, monitor});
-  command(*ports, context, fields, "history", "What went over a port, newest first",
-          Verb{[](CLI::App&) {}, [](Context& to, const Fields& given) {
+  command(ports, context, fields, "monitor", "What went over the line",
+          Verb{[fields](options::Command made) { made.flag("-f,--follow", fields->follow, "Go on showing"); }, monitor});
+  command(ports, context, fields, "history", "What went over a port, newest first",
+          Verb{[](options::Command) {}, [](Context& to, const Fields& given) {
                  auto server = to.connect();
                  const auto items = server.get("/port-transfers?port=" + find_port(server, given.port).at("id").dump()).at("items");
                  std::vector<Line> rows;
@@ -359,11 +358,11 @@ void add_port_commands(CLI::App& app, Context& context) {
                                         say("revision", "版本"), say("bytes", "字节"), say("state", "状态"), say("reason", "原因"),
                                         say("by", "操作者"), "sha256"}, rows));
                }});
-  add_port_record_commands(*ports, context);
-  auto* received = app.add_subcommand("received", "What controls have punched: list, accept, reject");
-  received->require_subcommand(0, 1);
-  received->callback([received, &context] {
-    if (!received->get_subcommands().empty()) return;
+  add_port_record_commands(ports, context);
+  auto received = app.add_command("received", "What controls have punched: list, accept, reject");
+  received.allows_command();
+  received.callback([received, &context] {
+    if (!received.alone()) return;
     guarded(context, [&] {
       auto server = context.connect();
       const auto items = server.get("/received").at("items");
@@ -375,8 +374,8 @@ void add_port_commands(CLI::App& app, Context& context) {
                                   say("against", "对比版本"), say("changes", "变化"), say("state", "状态")}, rows));
     });
   });
-  command(*received, context, fields, "accept", "Make it a new revision, from machine; machine data become values of its pages", accepting(fields), false);
-  command(*received, context, fields, "reject", "Put it aside; the library stays as it is", deciding("reject", fields), false);
+  command(received, context, fields, "accept", "Make it a new revision, from machine; machine data become values of its pages", accepting(fields), false);
+  command(received, context, fields, "reject", "Put it aside; the library stays as it is", deciding("reject", fields), false);
 }
 
 }  // namespace headstock::client

@@ -5,12 +5,11 @@
 #include <memory>
 #include <thread>
 
-#include <CLI/CLI.hpp>
-
 #include <unistd.h>
 
 #include "command-line/client/client.hpp"
 #include "command-line/client/output.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::client {
 
@@ -214,36 +213,36 @@ void folders(const Context& context, const ProgramFields& fields) {
 
 }  // namespace
 
-void add_program_commands(CLI::App& app, Context& context) {
-  auto* programs = app.add_subcommand("programs", "The library: put, get, list, revisions, diff, check, release, withdraw, send, folders");
-  programs->require_subcommand(1);
+void add_program_commands(options::Command app, Context& context) {
+  auto programs = app.add_command("programs", "The library: put, get, list, revisions, diff, check, release, withdraw, send, folders");
+  programs.requires_command();
   const auto command = [&](const char* name, const char* about, auto run) {
-    auto* added = programs->add_subcommand(name, about);
+    auto added = programs.add_command(name, about);
     const auto fields = std::make_shared<ProgramFields>();
-    added->callback([&context, fields, run] { guarded(context, [&] { run(context, *fields); }); });
+    added.callback([&context, fields, run] { guarded(context, [&] { run(context, *fields); }); });
     return std::pair{added, fields};
   };
-  const auto program_option = [](CLI::App* to, const Shared& fields) {
-    to->add_option("PROGRAM", fields->program, "Id, /FOLDER/NAME, or a name that only one program has")->required();
-    to->add_option("--revision", fields->revision, "Number of the revision")->check(CLI::PositiveNumber);
+  const auto program_option = [](options::Command to, const Shared& fields) {
+    to.option("PROGRAM", fields->program, "Id, /FOLDER/NAME, or a name that only one program has").required();
+    to.option("--revision", fields->revision, "Number of the revision").positive();
   };
   {
     auto [to, fields] = command("put", "Store a file: new, or a new revision of the program with its name", put);
-    to->add_option("FILE", fields->file)->required()->check(CLI::ExistingFile);
-    to->add_option("--folder", fields->folder)->capture_default_str();
-    to->add_option("--note", fields->note, "Why");
-    to->add_option("--name", fields->name, "Another name than the file's");
+    to.option("FILE", fields->file).required().existing_file();
+    to.option("--folder", fields->folder).shows_default();
+    to.option("--note", fields->note, "Why");
+    to.option("--name", fields->name, "Another name than the file's");
   }
   {
     auto [to, fields] = command("get", "The exact bytes of a revision (the newest)", get);
     program_option(to, fields);
-    to->add_option("-o,--out", fields->out, "File; stdout unless given");
+    to.option("-o,--out", fields->out, "File; stdout unless given");
   }
   {
     auto [to, fields] = command("list", "Programs with their newest and released revision", list);
     fields->folder.clear();
-    to->add_option("--folder", fields->folder);
-    to->add_option("--text", fields->text, "Part of the name");
+    to.option("--folder", fields->folder);
+    to.option("--text", fields->text, "Part of the name");
   }
   {
     auto [to, fields] = command("revisions", "Every revision: who, when, why", revisions);
@@ -251,36 +250,36 @@ void add_program_commands(CLI::App& app, Context& context) {
   }
   {
     auto [to, fields] = command("diff", "Two revisions (the newest and the one before), each change classified", diff);
-    to->add_option("PROGRAM", fields->program)->required();
-    to->add_option("--from", fields->from)->check(CLI::PositiveNumber);
-    to->add_option("--to", fields->to)->check(CLI::PositiveNumber);
+    to.option("PROGRAM", fields->program).required();
+    to.option("--from", fields->from).positive();
+    to.option("--to", fields->to).positive();
   }
   {
     auto [to, fields] = command("check", "Would this machine run it? Exit status 2 when not", check);
     program_option(to, fields);
-    to->add_option("--machine", fields->machine)->required();
+    to.option("--machine", fields->machine).required();
   }
   {
     auto [to, fields] = command("release", "Make a checked revision the one that may be sent and run", release);
     program_option(to, fields);
-    to->add_option("--why", fields->why)->required();
-    to->add_option("--machine", fields->machine, "Demand a passed check for this machine");
+    to.option("--why", fields->why).required();
+    to.option("--machine", fields->machine, "Demand a passed check for this machine");
   }
   {
     auto [to, fields] = command("withdraw", "Withdraw the release", withdraw);
-    to->add_option("PROGRAM", fields->program)->required();
-    to->add_option("--why", fields->why)->required();
+    to.option("PROGRAM", fields->program).required();
+    to.option("--why", fields->why).required();
   }
   {
     auto [to, fields] = command("send", "Send the released revision to machines; a result for each", send_to_machines);
     program_option(to, fields);
-    to->add_option("MACHINES", fields->machines, "Ids or names")->required();
+    to.option("MACHINES", fields->machines, "Ids or names").required();
   }
   {
     auto [to, fields] = command("folders", "All folders; --make or --remove one", folders);
-    to->add_option("FOLDER", fields->folder);
-    to->add_flag("--make", fields->make);
-    to->add_flag("--remove", fields->remove)->excludes("--make");
+    to.option("FOLDER", fields->folder);
+    to.flag("--make", fields->make);
+    to.flag("--remove", fields->remove).excludes("--make");
   }
 }
 

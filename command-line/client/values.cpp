@@ -1,6 +1,5 @@
 // headstock offsets, tool-life, parameters, variables, recount, orders.
 
-#include <CLI/CLI.hpp>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -8,6 +7,7 @@
 
 #include "command-line/client/client.hpp"
 #include "command-line/client/output.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::client {
 
@@ -134,21 +134,21 @@ void list_values(Context& context, const ValueFields& fields) {
 }
 
 /// list, get, set, history, export, import, diff, copy, restore: the same for every kind of page.
-void add_page(CLI::App& app, Context& context, const char* name, const char* about, const char* kind) {
+options::Command add_page(options::Command app, Context& context, const char* name, const char* about, const char* kind) {
   const auto fields = std::make_shared<ValueFields>();
   fields->kind = kind;
-  auto* page = app.add_subcommand(name, about);
-  page->require_subcommand(1);
+  auto page = app.add_command(name, about);
+  page.requires_command();
   const auto sub = [&](const char* verb, const char* text, std::function<void()> body) {
-    auto* made = page->add_subcommand(verb, text);
-    made->add_option("MACHINE", fields->machine, "name or number")->required();
-    made->callback([&context, body = std::move(body)] { guarded(context, body); });
+    auto made = page.add_command(verb, text);
+    made.option("MACHINE", fields->machine, "name or number").required();
+    made.callback([&context, body = std::move(body)] { guarded(context, body); });
     return made;
   };
   sub("list", "What is set", [&context, fields] { list_values(context, *fields); });
   sub("history", "Every change, newest first", [&context, fields] { history(context, *fields); })
-      ->add_option("VALUE", fields->what, "tool/3/wear/X; tool/3/ for all of it");
-  auto* set = sub("set", "Write one value: seen, written, read back", [&context, fields] {
+      .option("VALUE", fields->what, "tool/3/wear/X; tool/3/ for all of it");
+  auto set = sub("set", "Write one value: seen, written, read back", [&context, fields] {
     auto server = context.connect();
     const auto path = machine_path(server, fields->machine);
     const json before = now_of(server, path, fields->what);
@@ -166,10 +166,10 @@ void add_page(CLI::App& app, Context& context, const char* name, const char* abo
     fields->yes = true;
     write(context, server, path, json::array({{{"what", fields->what}, {"before", before}, {"after", after}}}), "person", *fields);
   });
-  set->add_option("VALUE", fields->what, "tool/3/wear/X, work/G54/Z, parameter/6713, variable/500, tool_life/1/used/0")->required();
-  set->add_option("NUMBER", fields->value, "+0.02 adds; none erases a parameter or variable")->required();
-  set->add_option("--why", fields->why, "Kept with the change");
-  auto* out = sub("export", "As CSV", [&context, fields] {
+  set.option("VALUE", fields->what, "tool/3/wear/X, work/G54/Z, parameter/6713, variable/500, tool_life/1/used/0").required();
+  set.option("NUMBER", fields->value, "+0.02 adds; none erases a parameter or variable").required();
+  set.option("--why", fields->why, "Kept with the change");
+  auto out = sub("export", "As CSV", [&context, fields] {
     auto server = context.connect();
     const auto path = machine_path(server, fields->machine) + "/values/sheet?kind=" + fields->kind;
     std::ofstream file;
@@ -178,31 +178,32 @@ void add_page(CLI::App& app, Context& context, const char* name, const char* abo
     server.download(path, [&to](const char* bytes, std::size_t count) { to.write(bytes, static_cast<std::streamsize>(count)); });
     if (!to.flush()) throw Failure(usage, say("cannot write ", "无法写入 ") + fields->file);
   });
-  out->add_option("--out", fields->file, "File; otherwise the terminal");
-  auto* in = sub("import", "From CSV or a pasted table", [&context, fields] { import(context, *fields); });
-  in->add_option("FILE", fields->file, "- for standard input")->required();
-  auto* diff = sub("diff", "What differs from another machine, a moment or a snapshot", [&context, fields] {
+  out.option("--out", fields->file, "File; otherwise the terminal");
+  auto in = sub("import", "From CSV or a pasted table", [&context, fields] { import(context, *fields); });
+  in.option("FILE", fields->file, "- for standard input").required();
+  auto diff = sub("diff", "What differs from another machine, a moment or a snapshot", [&context, fields] {
     difference(context, *fields, nullptr, fields->snapshot != 0 ? "snapshot=" + std::to_string(fields->snapshot) : "at=" + encoded(fields->at));
   });
-  auto* copy = sub("copy", "Make it as another machine's", [&context, fields] { difference(context, *fields, "copy", ""); });
-  copy->add_option("FROM", fields->other, "the other machine")->required();
-  auto* restore = sub("restore", "Make it as it was", [&context, fields] {
+  auto copy = sub("copy", "Make it as another machine's", [&context, fields] { difference(context, *fields, "copy", ""); });
+  copy.option("FROM", fields->other, "the other machine").required();
+  auto restore = sub("restore", "Make it as it was", [&context, fields] {
     difference(context, *fields, "restore", fields->snapshot != 0 ? "snapshot=" + std::to_string(fields->snapshot) : "at=" + encoded(fields->at));
   });
-  diff->add_option("--machine", fields->other);
-  for (auto* one : {diff, restore}) {
-    one->add_option("--at", fields->at, "2026-01-31T08:00Z");
-    one->add_option("--snapshot", fields->snapshot, "number");
+  diff.option("--machine", fields->other);
+  for (auto one : {diff, restore}) {
+    one.option("--at", fields->at, "2026-01-31T08:00Z");
+    one.option("--snapshot", fields->snapshot, "number");
   }
-  for (auto* one : {in, copy, restore}) {
-    one->add_flag("--yes", fields->yes, "Write; without it the changes are only shown");
-    one->add_option("--why", fields->why, "Kept with the change");
+  for (auto one : {in, copy, restore}) {
+    one.flag("--yes", fields->yes, "Write; without it the changes are only shown");
+    one.option("--why", fields->why, "Kept with the change");
   }
+  return page;
 }
 
-void add_requests(CLI::App& offsets, Context& context) {
+void add_requests(options::Command offsets, Context& context) {
   const auto fields = std::make_shared<ValueFields>();
-  offsets.add_subcommand("requests", "What waits for a second person")->callback([&context] {
+  offsets.add_command("requests", "What waits for a second person").callback([&context] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto requests = server.get("/value-requests?state=waiting");
@@ -213,30 +214,30 @@ void add_requests(CLI::App& offsets, Context& context) {
     });
   });
   for (const auto& [verb, text] : {std::pair{"agree", "Agree as the second person: it is written now"}, std::pair{"withdraw", "It is not written"}}) {
-    auto* made = offsets.add_subcommand(verb, text);
-    made->add_option("REQUEST", fields->id)->required();
-    made->callback([&context, fields, verb = std::string(verb)] {
+    auto made = offsets.add_command(verb, text);
+    made.option("REQUEST", fields->id).required();
+    made.callback([&context, fields, verb = std::string(verb)] {
       guarded(context, [&] {
         auto server = context.connect();
         show_request(context, server.send("POST", "/value-requests/" + std::to_string(fields->id) + "/" + verb));
       });
     });
   }
-  auto* snapshot = offsets.add_subcommand("snapshot", "Keep everything a machine has now under a name");
-  snapshot->add_option("MACHINE", fields->machine)->required();
-  snapshot->add_option("NAME", fields->name)->required();
-  snapshot->callback([&context, fields] {
+  auto snapshot = offsets.add_command("snapshot", "Keep everything a machine has now under a name");
+  snapshot.option("MACHINE", fields->machine).required();
+  snapshot.option("NAME", fields->name).required();
+  snapshot.callback([&context, fields] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto made = server.send("POST", machine_path(server, fields->machine) + "/snapshots", {{"name", fields->name}});
       show(context, made, say("snapshot ", "快照 ") + made.at("id").dump());
     });
   });
-  auto* limit = offsets.add_subcommand("limit", "The largest step one person may make (shop, or a machine)");
-  limit->add_option("KIND", fields->kind, "wear geometry radius work variable parameter tool_life")->required();
-  limit->add_option("STEP", fields->value, "a number; none: any step")->required();
-  limit->add_option("--machine", fields->machine);
-  limit->callback([&context, fields] {
+  auto limit = offsets.add_command("limit", "The largest step one person may make (shop, or a machine)");
+  limit.option("KIND", fields->kind, "wear geometry radius work variable parameter tool_life").required();
+  limit.option("STEP", fields->value, "a number; none: any step").required();
+  limit.option("--machine", fields->machine);
+  limit.callback([&context, fields] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto path = fields->machine.empty() ? std::string() : machine_path(server, fields->machine);
@@ -247,8 +248,8 @@ void add_requests(CLI::App& offsets, Context& context) {
   });
 }
 
-void add_tool_life_list(CLI::App& life, Context& context) {
-  life.add_subcommand("left", "Life left and when the next change comes, in the whole shop")->callback([&context] {
+void add_tool_life_list(options::Command life, Context& context) {
+  life.add_command("left", "Life left and when the next change comes, in the whole shop").callback([&context] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto found = server.get("/tool-life");
@@ -266,18 +267,18 @@ void add_tool_life_list(CLI::App& life, Context& context) {
 
 }  // namespace
 
-void add_value_commands(CLI::App& app, Context& context) {
-  add_page(app, context, "offsets", "Tool offsets: list, set, history, export, import, diff, copy, restore …", "offsets");
+void add_value_commands(options::Command app, Context& context) {
+  const auto offsets = add_page(app, context, "offsets", "Tool offsets: list, set, history, export, import, diff, copy, restore …", "offsets");
   add_page(app, context, "work-offsets", "Work offsets: G54-G59, G54.1, external, shift", "work");
-  add_page(app, context, "tool-life", "Tool life: left, list, set …", "tool_life");
+  const auto tool_life = add_page(app, context, "tool-life", "Tool life: left, list, set …", "tool_life");
   add_page(app, context, "parameters", "Parameters: list, set, diff, restore …", "parameters");
   add_page(app, context, "variables", "Common macro variables: list, set …", "variables");
-  add_requests(*app.get_subcommand("offsets"), context);
-  add_tool_life_list(*app.get_subcommand("tool-life"), context);
+  add_requests(offsets, context);
+  add_tool_life_list(tool_life, context);
   const auto fields = std::make_shared<ValueFields>();
-  auto* recount = app.add_subcommand("recount", "Part counts and runs made again from the raw events; exit 2 when they differ");
-  recount->add_option("MACHINE", fields->machine, "all unless told");
-  recount->callback([&context, fields] {
+  auto recount = app.add_command("recount", "Part counts and runs made again from the raw events; exit 2 when they differ");
+  recount.option("MACHINE", fields->machine, "all unless told");
+  recount.callback([&context, fields] {
     guarded(context, [&] {
       auto server = context.connect();
       const auto query = fields->machine.empty() ? std::string() : "?machine=" + find_machine(server, fields->machine).at("id").dump();

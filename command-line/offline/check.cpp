@@ -1,10 +1,10 @@
 // `headstock check`: dry-runs programs and prints what the controller would object to.
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "dialects/catalogue.hpp"
 #include "offline/offline.hpp"
 #include "offline/session.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::offline {
 namespace {
@@ -38,16 +38,16 @@ int check(const Options& options, const std::string& file) {
 
 }  // namespace
 
-void add_check(CLI::App& app, int& exit_status) {
+void add_check(options::Command app, int& exit_status) {
   struct State {
     Options options;
     std::vector<std::string> files;
   };
   const auto state = std::make_shared<State>();
-  auto* command = app.add_subcommand("check", "Dry-run programs: FILE:LINE:COLUMN: CODE text for each alarm");
-  add_options(*command, state->options);
-  command->add_option("files", state->files, "Programs")->required();
-  command->callback([state, &exit_status] {
+  auto command = app.add_command("check", "Dry-run programs: FILE:LINE:COLUMN: CODE text for each alarm");
+  add_options(command, state->options);
+  command.option("files", state->files, "Programs").required();
+  command.callback([state, &exit_status] {
     for (const std::string& file : state->files) {
       const int status = check(state->options, file);
       exit_status = exit_status == 1 || status == 1 ? 1 : std::max(exit_status, status);

@@ -1,9 +1,9 @@
 // `headstock convert-tape`: a program from one tape code to another, with the checks a control would make.
-#include <CLI/CLI.hpp>
 #include <fstream>
 #include <iostream>
 
 #include "offline/offline.hpp"
+#include "protocol/process/options.hpp"
 #include "protocol/tape/decoder.hpp"
 #include "protocol/tape/encoder.hpp"
 
@@ -151,31 +151,30 @@ int convert(const Options& options) {
 
 }  // namespace
 
-void add_convert_tape(CLI::App& app, int& exit_status) {
+void add_convert_tape(options::Command app, int& exit_status) {
   const auto options = std::make_shared<Options>();
-  auto* command =
-      app.add_subcommand("convert-tape", "Convert a program between ISO, EIA and ASCII tape codes");
-  const auto codes = CLI::IsMember({"iso", "eia", "ascii"});
-  command->add_option("--from", options->from, "iso, eia, ascii")->required()->check(codes);
-  command->add_option("--to", options->to, "iso, eia, ascii")->required()->check(codes);
-  command->add_option("--eob", options->end_of_block, "End of block: lf, crlf, lfcrcr, cr, keep")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"lf", "crlf", "lfcrcr", "cr", "keep"}));
-  command->add_option("--symbols", options->symbols,
-                      "EIA holes of * = # [ ] ? @ & _ (parameters No.6010-6018), and of others, as #=4C,*=0D");
-  command->add_option("--leader", options->leader, "Blank characters in front")->check(CLI::Range(0, 10'000));
-  command->add_option("--trailer", options->trailer, "Blank characters behind")->check(CLI::Range(0, 10'000));
-  command->add_flag("--frame", options->frame, "Put % lines around the program where they are missing");
-  command->add_flag("--tv", options->tv,
-                    "Check the blocks read for an even number of characters, pad those written");
-  command->add_flag("--tv-without-comments", options->no_tv_comments,
-                    "TV check does not count comments (No.0100#1)");
-  command->add_flag("--fold-case", options->fold_case, "Lower-case letters become capitals");
-  command->add_option("-o,--output", options->out, "File to write (standard output when left out)");
-  command->add_flag("--there-and-back", options->back,
-                    "Only prove for each FILE that ISO, the other code and ISO again give the same bytes");
-  command->add_option("FILE", options->files, "File to read, - for standard input")->required();
-  command->callback([options, &exit_status] {
+  auto command = app.add_command("convert-tape", "Convert a program between ISO, EIA and ASCII tape codes");
+  const std::vector<std::string> codes = {"iso", "eia", "ascii"};
+  command.option("--from", options->from, "iso, eia, ascii").required().one_of(codes);
+  command.option("--to", options->to, "iso, eia, ascii").required().one_of(codes);
+  command.option("--eob", options->end_of_block, "End of block: lf, crlf, lfcrcr, cr, keep")
+      .shows_default()
+      .one_of({"lf", "crlf", "lfcrcr", "cr", "keep"});
+  command.option("--symbols", options->symbols,
+                 "EIA holes of * = # [ ] ? @ & _ (parameters No.6010-6018), and of others, as #=4C,*=0D");
+  command.option("--leader", options->leader, "Blank characters in front").between(0, 10'000);
+  command.option("--trailer", options->trailer, "Blank characters behind").between(0, 10'000);
+  command.flag("--frame", options->frame, "Put % lines around the program where they are missing");
+  command.flag("--tv", options->tv,
+               "Check the blocks read for an even number of characters, pad those written");
+  command.flag("--tv-without-comments", options->no_tv_comments,
+               "TV check does not count comments (No.0100#1)");
+  command.flag("--fold-case", options->fold_case, "Lower-case letters become capitals");
+  command.option("-o,--output", options->out, "File to write (standard output when left out)");
+  command.flag("--there-and-back", options->back,
+               "Only prove for each FILE that ISO, the other code and ISO again give the same bytes");
+  command.option("FILE", options->files, "File to read, - for standard input").required();
+  command.callback([options, &exit_status] {
     if (options->back) {
       exit_status = check_back(*options);
     } else if (options->files.size() != 1) {

@@ -74,8 +74,8 @@ std::string_view cited(std::string_view profile, std::string_view number, char k
 
 void fill(CoverageOf& part, std::string_view profile) {
   for (Covered& item : part.items) {
-    if (item.state == State::done) continue;
-    if (const OffPanel* row = off_panel(profile, part.kind, item.code)) {
+    const OffPanel* row = off_panel(profile, part.kind, item.code);
+    if (row != nullptr && (item.state != State::done || row->assumed)) {
       item.state = row->done ? State::done : State::off_panel;
       item.reason = row->reason;
     }

@@ -1,5 +1,4 @@
 // `headstock dnc send|receive|test`: a serial line from this computer, without a server.
-#include <CLI/CLI.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
@@ -9,6 +8,7 @@
 #include <optional>
 
 #include "offline/offline.hpp"
+#include "protocol/process/options.hpp"
 #include "protocol/serial/port/line.hpp"
 #include "protocol/serial/port/prompt_thread.hpp"
 #include "protocol/serial/protocols.hpp"
@@ -247,60 +247,55 @@ int with_session(const Options& options, Job job) {
   return job(*settings, session);
 }
 
-void add_options(CLI::App& command, Options& options) {
-  command.add_option("--port", options.port, "/dev/ttyS0, tcp://HOST:PORT or rfc2217://HOST:PORT")
-      ->required();
-  command.add_option("--protocol", options.protocol, "dc1-dc4, xon-xoff, plain, rts-cts, lathe-200t …")
-      ->capture_default_str();
-  command.add_option("--line", options.line,
-                     "Speed, bits, parity, stop bits, handshake: 9600-7-E-2-software");
-  command.add_option("--code", options.code, "iso, eia, ascii")
-      ->check(CLI::IsMember({"iso", "eia", "ascii"}));
-  command.add_option("--eob", options.end_of_block, "lf, crlf, lfcrcr, cr")
-      ->check(CLI::IsMember({"lf", "crlf", "lfcrcr", "cr"}));
-  command.add_option("--symbols", options.symbols, "EIA holes of macro characters, as #=4C,*=0D");
-  command.add_flag("--tv", options.tv, "TV check: pad what is sent, check what is received");
-  command.add_flag("--no-frame", options.no_frame, "Do not add % lines; they do not end a punch either");
-  command.add_option("--start-limit", options.start_limit,
-                     "Seconds to wait for the other side to begin; 0: for ever");
-  command.add_flag("--monitor", options.monitor, "Show every byte both ways");
+void add_options(options::Command command, Options& options) {
+  command.option("--port", options.port, "/dev/ttyS0, tcp://HOST:PORT or rfc2217://HOST:PORT").required();
+  command.option("--protocol", options.protocol, "dc1-dc4, xon-xoff, plain, rts-cts, lathe-200t …")
+      .shows_default();
+  command.option("--line", options.line, "Speed, bits, parity, stop bits, handshake: 9600-7-E-2-software");
+  command.option("--code", options.code, "iso, eia, ascii").one_of({"iso", "eia", "ascii"});
+  command.option("--eob", options.end_of_block, "lf, crlf, lfcrcr, cr")
+      .one_of({"lf", "crlf", "lfcrcr", "cr"});
+  command.option("--symbols", options.symbols, "EIA holes of macro characters, as #=4C,*=0D");
+  command.flag("--tv", options.tv, "TV check: pad what is sent, check what is received");
+  command.flag("--no-frame", options.no_frame, "Do not add % lines; they do not end a punch either");
+  command.option("--start-limit", options.start_limit,
+                 "Seconds to wait for the other side to begin; 0: for ever");
+  command.flag("--monitor", options.monitor, "Show every byte both ways");
 }
 
 }  // namespace
 
-void add_dnc(CLI::App& app, int& exit_status) {
+void add_dnc(options::Command app, int& exit_status) {
   const auto options = std::make_shared<Options>();
-  auto* dnc = app.add_subcommand("dnc", "Send and receive programs over a serial line of this computer");
-  dnc->require_subcommand(1);
-  auto* sending = dnc->add_subcommand("send", "Send a program; done when the last character has left");
-  add_options(*sending, *options);
-  sending->add_option("--after-stop", options->after_stop, "Characters the control takes after its DC3")
-      ->check(CLI::Range(3, 4'096));
-  sending->add_option("--hold-limit", options->hold_limit, "Seconds a control may stop us; 0: for ever");
-  sending->add_option("--leader", options->leader, "Blank characters in front")->check(CLI::Range(0, 10'000));
-  sending->add_option("--trailer", options->trailer, "Blank characters behind")->check(CLI::Range(0, 10'000));
-  sending->add_option("--block-delay", options->block_delay, "Milliseconds of quiet after each block")
-      ->check(CLI::Range(0, 60'000));
-  sending->add_option("FILE", options->file, "Program, - for standard input")->required();
-  sending->callback([options, &exit_status] {
+  auto dnc = app.add_command("dnc", "Send and receive programs over a serial line of this computer");
+  dnc.requires_command();
+  auto sending = dnc.add_command("send", "Send a program; done when the last character has left");
+  add_options(sending, *options);
+  sending.option("--after-stop", options->after_stop, "Characters the control takes after its DC3")
+      .between(3, 4'096);
+  sending.option("--hold-limit", options->hold_limit, "Seconds a control may stop us; 0: for ever");
+  sending.option("--leader", options->leader, "Blank characters in front").between(0, 10'000);
+  sending.option("--trailer", options->trailer, "Blank characters behind").between(0, 10'000);
+  sending.option("--block-delay", options->block_delay, "Milliseconds of quiet after each block")
+      .between(0, 60'000);
+  sending.option("FILE", options->file, "Program, - for standard input").required();
+  sending.callback([options, &exit_status] {
     exit_status = with_session(*options, [&](const LinkSettings& settings, Session& session) {
       return send(*options, settings, session);
     });
   });
-  auto* receiving = dnc->add_subcommand("receive", "Receive what a control punches");
-  add_options(*receiving, *options);
-  receiving->add_option("FILE", options->file, "File to write, - for standard output")->required();
-  receiving->callback([options, &exit_status] {
+  auto receiving = dnc.add_command("receive", "Receive what a control punches");
+  add_options(receiving, *options);
+  receiving.option("FILE", options->file, "File to write, - for standard output").required();
+  receiving.callback([options, &exit_status] {
     exit_status = with_session(*options, [&](const LinkSettings& settings, Session& session) {
       return receive(*options, settings, session);
     });
   });
-  auto* loop = dnc->add_subcommand("test", "Loop-back test with a plug that joins RXD and TXD");
-  add_options(*loop, *options);
-  loop->add_option("--characters", options->characters, "How many")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1'000'000));
-  loop->callback([options, &exit_status] {
+  auto loop = dnc.add_command("test", "Loop-back test with a plug that joins RXD and TXD");
+  add_options(loop, *options);
+  loop.option("--characters", options->characters, "How many").shows_default().between(1, 1'000'000);
+  loop.callback([options, &exit_status] {
     exit_status = with_session(
         *options, [&](const LinkSettings&, Session& session) { return test(*options, session); });
   });

@@ -1,11 +1,11 @@
 // `headstock interpret`: a program's canonical operations as JSON Lines on stdout.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
 
 #include "offline/json_lines.hpp"
 #include "offline/offline.hpp"
 #include "offline/session.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::offline {
 namespace {
@@ -44,17 +44,17 @@ int interpret(const Options& options, const std::string& file) {
 
 }  // namespace
 
-void add_interpret(CLI::App& app, int& exit_status) {
+void add_interpret(options::Command app, int& exit_status) {
   struct State {
     Options options;
     std::string file;
   };
   const auto state = std::make_shared<State>();
-  auto* command =
-      app.add_subcommand("interpret", "Show what a program means: canonical operations as JSON Lines");
-  add_options(*command, state->options);
-  command->add_option("file", state->file, "Program, - for standard input")->required();
-  command->callback([state, &exit_status] { exit_status = interpret(state->options, state->file); });
+  auto command =
+      app.add_command("interpret", "Show what a program means: canonical operations as JSON Lines");
+  add_options(command, state->options);
+  command.option("file", state->file, "Program, - for standard input").required();
+  command.callback([state, &exit_status] { exit_status = interpret(state->options, state->file); });
 }
 
 }  // namespace headstock::offline

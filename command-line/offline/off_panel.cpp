@@ -47,7 +47,8 @@ std::vector<OffPanel> off_panel_rows(std::string_view profile) {
   for (const Table& table : kTables) {
     if (table.profile != profile) continue;
     for (const auto& row : table.rows) {
-      if (row[1].empty() || row[1] == table.series) out.push_back({row[0], row[2], row[3] == "done", row[4]});
+      if (row[1].empty() || row[1] == table.series)
+        out.push_back({row[0], row[2], row[3] != "off-panel", row[3] == "assumed", row[4]});
     }
   }
   return out;

@@ -1,7 +1,7 @@
 // The reviewed part of the coverage report: dialects/<folder>/off-panel.tsv. Columns: kind (gcodes, mcodes,
 // alarms, parameters, variables), series (T, M or empty), codes, state (`done`: another part of Headstock
-// does it; `off-panel`: it has no meaning here), reason. The first row that matches counts: particular rows
-// come first.
+// does it; `assumed`: done, but the manual's text does not say what it does; `off-panel`: it has no meaning here), reason.
+// The first row that matches counts: particular rows come first.
 #pragma once
 
 #include <string_view>
@@ -13,6 +13,7 @@ struct OffPanel {
   std::string_view kind;
   std::string_view codes;  ///< patterns, separated by commas: "M29", "6581..6595" (bits included), "SV*"
   bool done = false;
+  bool assumed = false;  ///< done, and the reason says what it is made from instead of where
   std::string_view reason;
 };
 

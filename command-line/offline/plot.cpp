@@ -1,7 +1,6 @@
 // `headstock plot`: a program's path as a picture (SVG): rapid moves dashed, cuts solid, threads and taps in
 // colours of their own. Lathes are drawn in the ZX plane with X as a radius, mills in XY unless told
 // otherwise.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +10,7 @@
 
 #include "offline/offline.hpp"
 #include "offline/session.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::offline {
 namespace {
@@ -198,16 +198,15 @@ int plot(const Request& request) {
 
 }  // namespace
 
-void add_plot(CLI::App& app, int& exit_status) {
+void add_plot(options::Command app, int& exit_status) {
   const auto request = std::make_shared<Request>();
-  auto* command = app.add_subcommand("plot", "Draw a program's path (SVG)");
-  add_options(*command, request->options);
-  command->add_option("file", request->file, "Program, - for standard input")->required();
-  command->add_option("-o,--out", request->out, "Picture, - for standard output (the default)");
-  command->add_option("--plane", request->plane, "Axes across and up: ZX (lathes), XY (mills), XZ, YZ");
-  command->add_option("--width", request->width, "Width of the picture in pixels")
-      ->check(CLI::Range(100.0, 10'000.0));
-  command->callback([request, &exit_status] { exit_status = plot(*request); });
+  auto command = app.add_command("plot", "Draw a program's path (SVG)");
+  add_options(command, request->options);
+  command.option("file", request->file, "Program, - for standard input").required();
+  command.option("-o,--out", request->out, "Picture, - for standard output (the default)");
+  command.option("--plane", request->plane, "Axes across and up: ZX (lathes), XY (mills), XZ, YZ");
+  command.option("--width", request->width, "Width of the picture in pixels").between(100.0, 10'000.0);
+  command.callback([request, &exit_status] { exit_status = plot(*request); });
 }
 
 }  // namespace headstock::offline

@@ -1,5 +1,4 @@
 // `headstock profile P`: prints what a controller's catalogue holds, for people and for scripts.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <iostream>
@@ -12,6 +11,7 @@
 #include "command-line/offline/offline.hpp"
 #include "dialects/catalogue.hpp"
 #include "operation/acceleration_modes.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::offline {
 namespace {
@@ -204,23 +204,22 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_profile(CLI::App& app, int& exit_status) {
+void add_profile(options::Command app, int& exit_status) {
   auto options = std::make_shared<Options>();
-  auto* command =
-      app.add_subcommand("profile", "What a controller has: alarms, parameters, codes, and which are done");
+  auto command =
+      app.add_command("profile", "What a controller has: alarms, parameters, codes, and which are done");
   command
-      ->add_option("PROFILE", options->profile,
-                   "fanuc-0i-t, fanuc-0i-m, gsk-2000tc, gsk-218t, k2000tc or lathe-200t")
-      ->required();
+      .option("PROFILE", options->profile,
+              "fanuc-0i-t, fanuc-0i-m, gsk-2000tc, gsk-218t, k2000tc or lathe-200t")
+      .required();
   for (std::size_t i = 0; i < kChoices.size(); ++i)
-    command->add_flag(kChoices[i].option, options->wanted[i], kChoices[i].help);
-  auto* coverage =
-      command->add_flag("--coverage", options->coverage,
-                        "every code, alarm, parameter and variable: done, of the panel only, or missing");
-  command->add_flag("--page", options->page, "with --coverage: the page of the dialect's folder (Markdown)")
-      ->needs(coverage);
-  command->add_flag("--json", options->json, "as one JSON object, with every column");
-  command->callback([options, &exit_status] { exit_status = run(*options); });
+    command.flag(kChoices[i].option, options->wanted[i], kChoices[i].help);
+  command.flag("--coverage", options->coverage,
+               "every code, alarm, parameter and variable: done, of the panel only, or missing");
+  command.flag("--page", options->page, "with --coverage: the page of the dialect's folder (Markdown)")
+      .needs("--coverage");
+  command.flag("--json", options->json, "as one JSON object, with every column");
+  command.callback([options, &exit_status] { exit_status = run(*options); });
 }
 
 }  // namespace headstock::offline

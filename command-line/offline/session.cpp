@@ -1,9 +1,10 @@
 #include "offline/session.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+
+#include "protocol/process/options.hpp"
 
 namespace headstock::offline {
 namespace {
@@ -67,16 +68,16 @@ class StandardInput final : public program::Source {
 
 }  // namespace
 
-void add_options(CLI::App& command, Options& options) {
-  command.add_option("--profile", options.profile,
-                     "Controller: fanuc-0i-t, fanuc-0i-m, gsk-2000tc, gsk-218t, k2000tc, lathe-200t");
-  command.add_option("--machine", options.machine_file, "Machine file (TOML)");
-  command.add_option("--offsets", options.offsets_file, "Work and tool offsets (JSON)");
-  command.add_option("--params", options.params_file, "Parameters by the manual's number (JSON)");
-  command.add_option(
+void add_options(options::Command command, Options& options) {
+  command.option("--profile", options.profile,
+                 "Controller: fanuc-0i-t, fanuc-0i-m, gsk-2000tc, gsk-218t, k2000tc, lathe-200t");
+  command.option("--machine", options.machine_file, "Machine file (TOML)");
+  command.option("--offsets", options.offsets_file, "Work and tool offsets (JSON)");
+  command.option("--params", options.params_file, "Parameters by the manual's number (JSON)");
+  command.option(
       "--set", options.settings,
       "gcode_system=A|B|C, lenient=true, decimal_point=standard|pocket, optional_stop=true, block_skip=1,3");
-  command.add_option("--lib", options.libraries, "Folder of sub-programs");
+  command.option("--lib", options.libraries, "Folder of sub-programs");
 }
 
 std::vector<char> Session::axis_names() const {

@@ -12,8 +12,8 @@
 #include "machine/machine.hpp"
 #include "program/library.hpp"
 
-namespace CLI {
-class App;
+namespace headstock::options {
+class Command;
 }
 
 namespace headstock::offline {
@@ -26,7 +26,7 @@ struct Options {
 };
 
 /// Adds the options; `options` must outlive the application.
-void add_options(CLI::App& command, Options& options);
+void add_options(options::Command command, Options& options);
 
 /// A controller as the options describe it.
 struct Session {

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/os.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <fstream>
 #include <iostream>
@@ -17,6 +16,7 @@
 #include "offline/session.hpp"
 #include "operation/path_length.hpp"
 #include "operation/virtual_time.hpp"
+#include "protocol/process/options.hpp"
 
 namespace headstock::offline {
 namespace {
@@ -219,17 +219,17 @@ int simulate(const SimulateOptions& options) {
 
 }  // namespace
 
-void add_simulate(CLI::App& app, int& exit_status) {
+void add_simulate(options::Command app, int& exit_status) {
   const auto options = std::make_shared<SimulateOptions>();
-  auto* command = app.add_subcommand(
+  auto command = app.add_command(
       "simulate", "Run a program on the controller in virtual time: time, limits kept, path error");
-  add_options(*command, options->controller);
-  command->add_option("--period-us", options->period_us, "Interpolation period instead of the machine's")
-      ->check(CLI::Range(250, 8'000));
-  command->add_option("--trace", options->trace, "CSV of every period: t,line,axes,S");
-  command->add_flag("--quick", options->quick, "Leave out the checks of limits and path error");
-  command->add_option("file", options->file, "Program, or - for stdin")->required();
-  command->callback([options, &exit_status] { exit_status = simulate(*options); });
+  add_options(command, options->controller);
+  command.option("--period-us", options->period_us, "Interpolation period instead of the machine's")
+      .between(250, 8'000);
+  command.option("--trace", options->trace, "CSV of every period: t,line,axes,S");
+  command.flag("--quick", options->quick, "Leave out the checks of limits and path error");
+  command.option("file", options->file, "Program, or - for stdin").required();
+  command.callback([options, &exit_status] { exit_status = simulate(*options); });
 }
 
 }  // namespace headstock::offline

@@ -1,18 +1,27 @@
 // `headstock-agent`: the CNC of one machine; and `headstock-agent panel`, its buttons.
 #include <signal.h>
 
-#include <CLI/CLI.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <cstdlib>
 #include <iostream>
 
 #include "agent/agent.hpp"
 #include "agent/panel_client.hpp"
 #include "protocol/process/log.hpp"
+#include "protocol/process/options.hpp"
 
 namespace {
 
 using headstock::agent::AgentOptions;
 using headstock::agent::Clock;
+using headstock::options::Refusal;
+
+/// Decimal, octal or hexadecimal, as of every option that takes a number. 0: it is no port.
+int port_of(const std::string& text) {
+  char* end = nullptr;
+  const long port = std::strtol(text.c_str(), &end, 0);
+  return !text.empty() && *end == '\0' && port >= 1 && port <= 65'535 ? static_cast<int>(port) : 0;
+}
 
 /// `HOST:PORT`; an empty text means: no server.
 void read_server(const std::string& text, AgentOptions& options) {
@@ -21,9 +30,8 @@ void read_server(const std::string& text, AgentOptions& options) {
     return;
   }
   const auto colon = text.rfind(':');
-  int port = 7878;
-  if (colon != std::string::npos && !CLI::detail::lexical_cast(text.substr(colon + 1), port)) port = 0;
-  if (port < 1 || port > 65'535) throw CLI::ValidationError("--server", "takes HOST:PORT, not '" + text + "'");
+  const int port = colon == std::string::npos ? 7878 : port_of(text.substr(colon + 1));
+  if (port == 0) throw Refusal("--server", "takes HOST:PORT, not '" + text + "'");
   options.host = text.substr(0, colon);
   options.port = static_cast<std::uint16_t>(port);
 }
@@ -40,7 +48,7 @@ void read_setting(const std::string& text, headstock::interp::Switches& switches
     using headstock::interp::DecimalPoint;
     switches.decimal_point = value == "pocket" ? DecimalPoint::pocket : DecimalPoint::standard;
   } else {
-    throw CLI::ValidationError(
+    throw Refusal(
         "--set", "takes gcode_system=A|B|C, lenient=true|false or decimal_point=standard|pocket, not '" + text + "'");
   }
 }
@@ -66,43 +74,42 @@ int run_agent(const AgentOptions& options) {
 
 int main(int argc, char** argv) {
   signal(SIGPIPE, SIG_IGN);
-  CLI::App app{"The CNC of one machine. Nothing on the network starts motion before remote operation is armed here.",
-               "headstock-agent"};
-  app.set_version_flag("--version", std::string("headstock-agent ") + HEADSTOCK_VERSION);
+  headstock::options::Program app(
+      "The CNC of one machine. Nothing on the network starts motion before remote operation is armed here.", "headstock-agent");
+  app.version(std::string("headstock-agent ") + HEADSTOCK_VERSION);
   AgentOptions options;
   std::string server = "127.0.0.1:7878", clock = "real", dnc;
   std::vector<std::string> settings, words;
   std::filesystem::path panel_folder;
-  app.add_option("--data", options.data, "Folder for everything this machine keeps");
-  app.add_option("--machine", options.machine_file, "Machine file (TOML); kept, so that a restart needs none");
-  app.add_option("--server", server, "HOST:PORT of headstock-server; empty: work alone")->capture_default_str();
-  app.add_option("--enrol", options.token, "One-time token of the server, the first time");
-  app.add_option("--set", settings, "gcode_system=A|B|C, lenient=true|false, decimal_point=standard|pocket");
-  app.add_option("--drip-buffer", options.drip_buffer_bytes, "Bytes kept ahead of a drip-feed")->capture_default_str();
-  app.add_option("--clock", clock, "real, or fast: simulated drives only, periods as fast as possible")
-      ->check(CLI::IsMember({"real", "fast"}));
-  app.add_option("--dnc", dnc,
-                 "The machine's own line for other DNC software: PORT[,line=9600-8-N-1-software][,code=iso] …, "
-                 "PORT a device, tcp://HOST:PORT, rfc2217://HOST:PORT or listen://ADDRESS:PORT");
-  app.add_flag("--set-aside-damaged", options.set_aside_damaged,
-               "Keep a damaged event spool for rescue and start with an empty one");
-  CLI::App* panel = app.add_subcommand("panel", "The machine's panel: " + headstock::agent::panel_help());
-  panel->add_option("--data", panel_folder, "The agent's data folder")->required();
-  panel->add_option("command", words, "Button, and what it takes");
-  try {
-    app.parse(argc, argv);
-    if (panel->parsed()) return headstock::agent::run_panel(panel_folder, words);
-    if (options.data.empty()) throw CLI::RequiredError("--data");
+  app.option("--data", options.data, "Folder for everything this machine keeps");
+  app.option("--machine", options.machine_file, "Machine file (TOML); kept, so that a restart needs none");
+  app.option("--server", server, "HOST:PORT of headstock-server; empty: work alone").shows_default();
+  app.option("--enrol", options.token, "One-time token of the server, the first time");
+  app.option("--set", settings, "gcode_system=A|B|C, lenient=true|false, decimal_point=standard|pocket");
+  app.option("--drip-buffer", options.drip_buffer_bytes, "Bytes kept ahead of a drip-feed").shows_default();
+  app.option("--clock", clock, "real, or fast: simulated drives only, periods as fast as possible")
+      .one_of({"real", "fast"});
+  app.option("--dnc", dnc,
+             "The machine's own line for other DNC software: PORT[,line=9600-8-N-1-software][,code=iso] …, "
+             "PORT a device, tcp://HOST:PORT, rfc2217://HOST:PORT or listen://ADDRESS:PORT");
+  app.flag("--set-aside-damaged", options.set_aside_damaged,
+           "Keep a damaged event spool for rescue and start with an empty one");
+  auto panel = app.add_command("panel", "The machine's panel: " + headstock::agent::panel_help());
+  panel.option("--data", panel_folder, "The agent's data folder").required();
+  panel.option("command", words, "Button, and what it takes");
+  app.callback([&] {
+    if (panel.called()) return;
+    if (options.data.empty()) throw Refusal::missing("--data");
     read_server(server, options);
     if (!dnc.empty()) {
       options.dnc.emplace();
       const std::string wrong = headstock::agent::read_dnc_settings(dnc, *options.dnc);
-      if (!wrong.empty()) throw CLI::ValidationError("--dnc", wrong);
+      if (!wrong.empty()) throw Refusal("--dnc", wrong);
     }
     for (const std::string& setting : settings) read_setting(setting, options.switches);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
+  });
+  if (const auto ended = app.parse(argc, argv, 1)) return *ended;
+  if (panel.called()) return headstock::agent::run_panel(panel_folder, words);
   options.clock = clock == "fast" ? Clock::fast : Clock::real;
   return run_agent(options);
 }

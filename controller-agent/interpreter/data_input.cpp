@@ -1,15 +1,15 @@
 // G10: offsets written by the program. Every write is reported, so that it is stored.
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
+#include "interpreter/data_values.hpp"
 #include "interpreter/executor.hpp"
 #include "interpreter/handlers.hpp"
 #include "interpreter/offset_memory.hpp"
 
 namespace headstock::interp::handlers {
-
-bool parameter_input(Executor& ex);  // parameter_input.cpp
-bool pitch_input(Executor& ex);
 
 namespace {
 
@@ -206,3 +206,37 @@ bool data_input_end(Executor& ex) {
 }
 
 }  // namespace headstock::interp::handlers
+
+namespace headstock::interp {
+
+bool Executor::inputs_data() const {
+  constexpr std::int16_t kDataInput = 100;
+  const auto* const end = block.g.data() + block.g_count;
+  return data_input.line != nullptr || std::find_if(block.g.data(), end, [](const program::Code& g) {
+                                         return g.tenths == kDataInput;
+                                       }) != end;
+}
+
+// A RESET in front of it must not leave what a block wrote that did not run: run again, G91 and U W would add
+// twice.
+bool Executor::data_input_waits() const {
+  return !at_standstill && cycle.watch == nullptr && environment->takes_time() && inputs_data();
+}
+
+// Under G41/G42 one or two motions in front of a G10 wait for the blocks behind it: it is carried out before
+// them, and taken back when RESET comes before they are done.
+void Executor::take_back_data_input(std::uint32_t first_block_left) {
+  std::vector<char> names;
+  for (const ProgramAxis& axis : axes) names.push_back(axis.name);
+  const auto written = std::exchange(data_input_ahead, {});
+  for (auto one = written.rbegin(); one != written.rend(); ++one) {
+    if (one->block < first_block_left) continue;
+    // What somebody wrote since then stays.
+    if (read_value(data, names, one->what).value != one->after) continue;
+    if (write_value(data, names, one->what, one->before, dialect.tools.most_offsets))
+      report_change(one->what, one->after, one->before);
+  }
+  update_zeros();
+}
+
+}  // namespace headstock::interp

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "interpreter/data_values.hpp"
+
 namespace headstock::interp {
 namespace {
 
@@ -152,6 +154,7 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   at = {};
   tool_life::begin_run(*this);
   data_input = {};
+  data_input_ahead.clear();
   take_parameters();
   if (own) own->start(*this);
   update_zeros();
@@ -257,7 +260,11 @@ void Executor::reset(const AxisVector& machine_position, std::uint32_t first_blo
   queue_head = 0;
   // The block that ended in an alarm was not carried out (0i-D K.32.1).
   const std::uint32_t back_to = first_block_left != 0 ? first_block_left : modal_memory.failed_block();
-  if (back_to != 0) modal_memory.back_to(*this, back_to);
+  if (back_to != 0) {
+    take_back_data_input(back_to);
+    modal_memory.back_to(*this, back_to);
+  }
+  data_input_ahead.clear();
   cancel_compensation();
   cycle.clear();
   interruption.enabled = false;
@@ -351,6 +358,10 @@ std::string_view change_source(const program::Block& block) {
 
 void Executor::report_change(std::string what, double before, double after) {
   ++data.version;
+  // Values that may have been added to; the others are the same when they are written again.
+  const ValueKind kind = kind_of_value(what);
+  if (pipeline.holds_motion() && inputs_data() && (kind == ValueKind::tool || kind == ValueKind::work))
+    data_input_ahead.push_back({at.block, what, before, after});
   if (changed && !restarting) changed({std::move(what), before, after, change_source(block)});
 }
 

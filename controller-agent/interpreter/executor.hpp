@@ -186,6 +186,10 @@ struct Executor {
   void remember_sequence(std::uint32_t sequence, const BlockPlace& place) {
     if (frames.back().macro.passed != nullptr) frames.back().macro.passed->pass(sequence, place);
   }
+  // data_input.cpp
+  bool inputs_data() const;       ///< the block just read is a G10, or data of one
+  bool data_input_waits() const;  ///< … that must wait until everything handed out has been carried out
+  void take_back_data_input(std::uint32_t first_block_left);
   /// Everything handed out must have been carried out before what follows is read (G31, M00, unbuffered M).
   void hold_look_ahead() { barrier = true; }
   void flush_changes();
@@ -407,6 +411,7 @@ struct Executor {
   PolarCommand polar;
   SkipState skip;
   DataInputMode data_input;
+  std::vector<DataInputAhead> data_input_ahead;
   Interruption interruption;
   LookAhead look_ahead;
   std::int32_t part_count_m = -1;  ///< Dialect::part_count_m_parameter; -1: none

@@ -224,6 +224,11 @@ Executor::Step Executor::read_block() {
     frame.rest = line_begin + place.within;
     return Step::done;
   }
+  if (data_input_waits()) {
+    frame.line = as_read;
+    frame.rest = line_begin + place.within;
+    return Step::standstill;
+  }
   if (!empty || block.has_sequence) frame.at_start = false;
   frame.macro.last = nullptr;
   if (!empty) modal_memory.before_block(*this);

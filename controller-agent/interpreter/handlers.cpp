@@ -6,49 +6,6 @@
 
 namespace headstock::interp::handlers {
 
-bool preset_coordinates(Executor& ex);
-bool local(Executor& ex);
-bool machine_move(Executor& ex);
-bool work_select(Executor& ex);
-bool reference_return(Executor& ex);
-bool reference_return_n(Executor& ex);
-bool reference_from(Executor& ex);
-bool reference_check(Executor& ex);
-bool data_input(Executor& ex);
-bool compensation_cancel(Executor& ex);
-bool normal_direction_on(Executor& ex);
-bool normal_direction_off(Executor& ex);
-bool compensation_left(Executor& ex);
-bool compensation_right(Executor& ex);
-bool corner_arc(Executor& ex);
-bool data_input_end(Executor& ex);
-bool dwell(Executor& ex);
-bool skip(Executor& ex);
-bool mirror_on(Executor& ex);
-bool mirror_off(Executor& ex);
-bool scaling_on(Executor& ex);
-bool scaling_off(Executor& ex);
-bool rotation_on(Executor& ex);
-bool rotation_off(Executor& ex);
-bool polar_on(Executor& ex);
-bool polar_off(Executor& ex);
-bool stroke_check_on(Executor& ex);
-bool stroke_check_off(Executor& ex);
-bool spindle_watch_on(Executor& ex);
-bool spindle_watch_off(Executor& ex);
-bool contour_by_p(Executor& ex);
-bool increment_limit(Executor& ex);
-bool single_direction(Executor& ex);
-bool cylinder(Executor& ex);
-bool polygon_on(Executor& ex);
-bool polygon_off(Executor& ex);
-bool servo_mode(Executor& ex);
-bool surface_speed_on(Executor& ex);
-bool surface_speed_off(Executor& ex);
-bool select_unit(Executor& ex, bool inch);
-bool polar_interpolation_on(Executor& ex);
-bool polar_interpolation_off(Executor& ex);
-
 namespace {
 
 bool rapid(Executor& ex) {

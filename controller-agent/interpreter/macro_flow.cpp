@@ -167,7 +167,7 @@ Executor::Step Executor::carry_out(CompiledBlock& c) {
     block.has_sequence = c.has_sequence;
     block.sequence = c.sequence;
     block.has_number = c.has_number;
-    result = fill_computed(c);
+    result = data_input_waits() ? Result::later() : fill_computed(c);
   }
   if (result.status == Status::standstill || result.status == Status::wait) {
     frame.macro.next = &c;

@@ -6,8 +6,8 @@
 
 namespace headstock::interp {
 
-/// The modal state of an Executor, as far as blocks change it. Positions are not part of it: they are where the axes
-/// stand.
+/// The whole modal state of an Executor, as far as blocks change it. Positions are not part of it: they are
+/// where the axes stand.
 struct KeptModes {
   std::uint32_t block = 0;  ///< number of the block before which it was so
   std::size_t axis_count = 0;
@@ -49,12 +49,22 @@ using program::letters;
 // F alone is looked at by its value, axis words and the words of an arc change nothing that stays.
 constexpr std::uint32_t kPassing = letters("ABCXYZUVWIJKRFNO");
 
-bool may_change_modes(const Executor& ex) {
+enum class Change : std::uint8_t { nothing, motion_code, anything };
+
+// G00 to G03: nothing of them stays but the code itself.
+bool plain_motion(std::int32_t tenths) {
+  return tenths == 0 || tenths == 10 || tenths == 20 || tenths == 30;
+}
+
+Change may_change(const Executor& ex) {
   const program::Block& b = ex.block;
-  if (b.m_count != 0 || b.g_count > 1 || (b.words & ~kPassing) != 0) return true;
-  if (b.g_count == 1 && b.g[0].tenths != ex.motion_code->tenths) return true;
-  if (ex.motion_code->cycle || (b.marked != 0 && ex.own != nullptr)) return true;
-  return b.has('F') && ex.feed_value(b['F']) != ex.modal.feed;
+  if (b.m_count != 0 || b.g_count > 1 || (b.words & ~kPassing) != 0) return Change::anything;
+  if (ex.pending_axes != 0) return Change::anything;  // an offset is taken up on the way
+  if (ex.motion_code->cycle || (b.marked != 0 && ex.own != nullptr)) return Change::anything;
+  if (b.has('F') && ex.feed_value(b['F']) != ex.modal.feed) return Change::anything;
+  if (b.g_count == 0 || b.g[0].tenths == ex.motion_code->tenths) return Change::nothing;
+  const bool plain = plain_motion(b.g[0].tenths) && plain_motion(ex.motion_code->tenths) && ex.own == nullptr;
+  return plain ? Change::motion_code : Change::anything;
 }
 
 // Each member of the one to the same of the other: written once for both directions.
@@ -97,7 +107,7 @@ ModalMemory::ModalMemory() = default;
 ModalMemory::~ModalMemory() = default;
 
 void ModalMemory::forget() {
-  begin_ = count_ = 0;
+  begin_ = count_ = whole_begin_ = whole_count_ = 0;
   open_ = failed_ = 0;
   held_ = false;
 }
@@ -105,20 +115,36 @@ void ModalMemory::forget() {
 void ModalMemory::before_block(const Executor& ex) {
   if (held_) return;
   open_ = ex.at.block + 1;
-  if (may_change_modes(ex)) keep(ex);
+  const Change change = may_change(ex);
+  if (change == Change::nothing) return;
+  Entry& entry = add(open_);
+  entry.motion_code = ex.motion_code;
+  entry.g = ex.modal.g;
+  entry.whole = change == Change::anything;
+  if (entry.whole) keep(ex);
+}
+
+// The oldest one makes room.
+ModalMemory::Entry& ModalMemory::add(std::uint32_t block) {
+  if (count_ == kMost) {
+    if (entries_[begin_].whole) {
+      whole_begin_ = (whole_begin_ + 1) % kMost;
+      --whole_count_;
+    }
+    begin_ = (begin_ + 1) % kMost;
+    --count_;
+  }
+  const std::size_t place = (begin_ + count_++) % kMost;
+  if (place == entries_.size()) entries_.emplace_back();
+  entries_[place].block = block;
+  return entries_[place];
 }
 
 void ModalMemory::keep(const Executor& ex) {
-  std::size_t place = (begin_ + count_) % kMost;
-  if (count_ == kMost) {
-    place = begin_;
-    begin_ = (begin_ + 1) % kMost;
-  } else {
-    ++count_;
-    if (place == kept_.size()) kept_.emplace_back();
-  }
-  KeptModes& now = kept_[place];
-  now.block = ex.at.block + 1;
+  const std::size_t place = (whole_begin_ + whole_count_++) % kMost;
+  if (place == whole_.size()) whole_.emplace_back();
+  KeptModes& now = whole_[place];
+  now.block = open_;
   now.axis_count = ex.axes.size();
   for (std::size_t i = 0; i < ex.axes.size(); ++i) now.axes[i] = ex.axes[i];
   copy_modes(ex, now);
@@ -131,19 +157,25 @@ void ModalMemory::keep(const Executor& ex) {
   if (now.own != nullptr) ex.own->keep_modes(*now.own);
 }
 
-void ModalMemory::back_to(Executor& ex, std::uint32_t block) {
-  // The oldest state that is not older than the block: between the two nothing was changed.
-  std::size_t low = 0, high = count_;
+namespace {
+
+/// How many of a ring's states, the oldest first, belong to blocks before this one.
+template <typename State>
+std::size_t older_than(std::uint32_t block, const std::vector<State>& ring, std::size_t begin,
+                       std::size_t count) {
+  std::size_t low = 0, high = count;
   while (low < high) {
     const std::size_t middle = (low + high) / 2;
-    if (kept_[(begin_ + middle) % kMost].block < block) {
+    if (ring[(begin + middle) % ModalMemory::kMost].block < block) {
       low = middle + 1;
     } else {
       high = middle;
     }
   }
-  if (low == count_) return;
-  const KeptModes& then = kept_[(begin_ + low) % kMost];
+  return low;
+}
+
+void put_back(const KeptModes& then, Executor& ex) {
   copy_modes(then, ex);
   for (std::size_t i = 0; i < ex.axes.size() && i < then.axis_count; ++i) ex.axes[i] = then.axes[i];
   ex.pipeline.d_number = then.d_number;
@@ -151,6 +183,19 @@ void ModalMemory::back_to(Executor& ex, std::uint32_t block) {
   ex.cycle.runout_tenths = then.runout_tenths;
   ex.cycle.driven_m = then.driven_m;
   if (then.own != nullptr) ex.own->restore_modes(*then.own);
+}
+
+}  // namespace
+
+void ModalMemory::back_to(Executor& ex, std::uint32_t block) {
+  // The oldest state that is not older than the block: between the two nothing was changed.
+  const std::size_t first = older_than(block, entries_, begin_, count_);
+  if (first == count_) return;
+  const std::size_t whole = older_than(block, whole_, whole_begin_, whole_count_);
+  if (whole < whole_count_) put_back(whole_[(whole_begin_ + whole) % kMost], ex);
+  const Entry& then = entries_[(begin_ + first) % kMost];
+  ex.motion_code = then.motion_code;
+  ex.modal.g = then.g;
   ex.update_zeros();
   forget();
 }

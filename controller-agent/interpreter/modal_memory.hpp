@@ -4,9 +4,13 @@
 // One object a path, the interpreter's thread.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
+
+#include "dialects/dialect.hpp"
+#include "interpreter/canonical.hpp"
 
 namespace headstock::interp {
 
@@ -42,9 +46,19 @@ class ModalMemory {
   void back_to(Executor& ex, std::uint32_t block);
 
  private:
+  /// Before a block. Most change G00 to G01 or G01 to G02 and nothing else: the whole state is that of the next entry
+  /// that has it, or the one in force.
+  struct Entry {
+    std::uint32_t block = 0;  ///< number of the block before which it was so
+    bool whole = false;       ///< `whole_` has a state of this block
+    const dialects::GCode* motion_code = nullptr;
+    std::array<std::int16_t, kModalGroups> g{};
+  };
+  Entry& add(std::uint32_t block);
   void keep(const Executor& ex);
-  std::vector<KeptModes> kept_;  // a ring: `begin_` is the oldest of `count_`
-  std::size_t begin_ = 0, count_ = 0;
+  std::vector<Entry> entries_;    // a ring: `begin_` is the oldest of `count_`
+  std::vector<KeptModes> whole_;  // a ring likewise, of those entries that are whole
+  std::size_t begin_ = 0, count_ = 0, whole_begin_ = 0, whole_count_ = 0;
   std::uint32_t open_ = 0;    // the block being carried out
   std::uint32_t failed_ = 0;
   bool held_ = false;

@@ -86,12 +86,14 @@ void Pipeline::close_line(const AxisVector& end_machine, const AxisVector& end_w
 
 // Where the next operation goes.
 Operation& Pipeline::place(Executor& ex) {
+  ex.at_standstill = false;
   if (ex.out_used) return ex.queue.emplace_back();
   ex.out_used = true;
   return *ex.out;
 }
 
 void Pipeline::send(Executor& ex, Operation&& op) {
+  ex.at_standstill = false;
   if (!ex.out_used) {
     ex.out_used = true;
     *ex.out = std::move(op);

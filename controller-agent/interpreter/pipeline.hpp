@@ -71,6 +71,8 @@ class Pipeline {
   bool compensating() const { return on_; }
   /// Whether a motion waits for the next one because of a chamfer, a round or an open line.
   bool holds_corner() const { return held_corner_; }
+  /// Whether a motion that was emitted waits for following blocks.
+  bool holds_motion() const { return held_corner_ || has_last_ || has_previous_; }
   /// G41/G42 have no effect from now on (the profile of a roughing cycle is read).
   void corners_only() { no_compensation_ = true; }
   /// Forgets what is held and the vectors; the path continues where the tool stands.

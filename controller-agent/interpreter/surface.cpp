@@ -217,8 +217,6 @@ bool cylinder(Executor& ex) {
   return true;
 }
 
-bool enter_polar(Executor& ex, int linear, int rotary);
-
 // G12.1: the linear axis and the rotary axis span a plane; the rotary axis' words are millimetres in it.
 bool polar_interpolation_on(Executor& ex) {
   const auto& rules = ex.dialect.modes;

@@ -2,12 +2,12 @@
 
 #include <charconv>
 
+#include "program/characters.hpp"
+
 namespace headstock::link {
 namespace {
 
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
+using program::is_digit;
 
 }  // namespace
 

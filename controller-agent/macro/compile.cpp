@@ -3,22 +3,17 @@
 
 #include "macro/names.hpp"
 #include "macro/parser.hpp"
+#include "program/characters.hpp"
 
 namespace headstock::macro {
 namespace {
 
+using program::is_digit;
+using program::is_letter;
+using program::upper;
+
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\0' || c == '\x7f' || c == '\v' || c == '\f';
-}
-bool is_digit(char c) {
-  return static_cast<unsigned char>(c - '0') < 10;
-}
-bool is_letter(char c) {
-  const char upper = static_cast<char>(c & ~0x20);
-  return upper >= 'A' && upper <= 'Z';
-}
-char upper(char c) {
-  return c >= 'a' && c <= 'z' ? static_cast<char>(c - 0x20) : c;
 }
 
 struct FunctionName {

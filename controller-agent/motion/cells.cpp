@@ -54,7 +54,7 @@ double most_of(const AxisVector& values) {
 /// Both cells' limits. Called some hundred times a segment: all lanes, whatever axes there are, nothing that
 /// could be the other cell, and not inlined, where the compiler forgets that: a few instructions on whole
 /// registers.
-[[gnu::noinline]] void limit(RawCell& __restrict target, const RawCell& __restrict by) {
+[[gnu::noinline]] void limit(CellLimits& __restrict target, const CellLimits& __restrict by) {
   for (std::size_t i = 0; i < target.rate.size(); ++i) target.rate[i] = std::max(target.rate[i], by.rate[i]);
   for (std::size_t i = 0; i < target.rate.size(); ++i)
     target.bend_up[i] = std::max(target.bend_up[i], by.bend_up[i]);
@@ -273,14 +273,20 @@ void CellMaker::add_cell(const RawCell& own, bool stop) {
   // A straight stretch is cut where limits of what is behind it end, a bend where that was much slower.
   ending_.clear();
   std::size_t passed = 0;
-  for (const Reaching& r : reaching_) {
-    if (r.until <= own.begin)
+  for (const Reaching& some : reaching_) {
+    if (some.most_until <= own.begin) {
       ++passed;
-    else if (r.until < own.end && (own.straight || r.cell.speed < kMuchSlower * own.speed))
-      ending_.push_back({r.until, r.cell.end, r.cell.reach});
+      continue;
+    }
+    if (some.least_until >= own.end) continue;
+    for (std::size_t i = 0; i < some.count; ++i) {
+      const Reaching::One& r = some.ones[i];
+      if (r.until > own.begin && r.until < own.end && (own.straight || r.speed < kMuchSlower * own.speed))
+        ending_.push_back({r.until, r.end, r.reach});
+    }
   }
   if (2 * passed > reaching_.size())  // moving the others costs more than looking at these
-    std::erase_if(reaching_, [&](const Reaching& r) { return r.until <= own.begin; });
+    std::erase_if(reaching_, [&](const Reaching& some) { return some.most_until <= own.begin; });
   double begin = own.begin;
   while (!ending_.empty()) {
     // Ends close together share one cut, behind the last of them.
@@ -306,7 +312,10 @@ void CellMaker::add_cell(const RawCell& own, bool stop) {
     reaching_.clear();
     final_ = staged_.size();
   } else {
-    reaching_.emplace_back(own);
+    if (reaching_.empty() || reaching_.back().count == Reaching::kMost)
+      reaching_.emplace_back(own);
+    else
+      reaching_.back().add(own);
     while (final_ < staged_.size() && staged_[final_].end + longest_reach_ < newest_) ++final_;
   }
 }
@@ -315,8 +324,29 @@ void CellMaker::append(const RawCell& cell, double begin, double end) {
   RawCell& last = staged_.emplace_back(cell);
   last.begin = begin;
   last.end = end;
-  for (const Reaching& r : reaching_)
-    if (r.until > begin) limit(last, r.cell);
+  for (const Reaching& some : reaching_) {
+    if (some.most_until <= begin) continue;
+    if (some.least_until > begin) {
+      limit(last, some.together);
+      continue;
+    }
+    for (std::size_t i = 0; i < some.count; ++i)
+      if (some.ones[i].until > begin) limit(last, some.limits[i]);
+  }
+}
+
+CellMaker::Reaching::Reaching(const RawCell& own)
+    : together(own), least_until(own.end + own.reach), most_until(least_until) {
+  add(own);
+}
+
+void CellMaker::Reaching::add(const RawCell& own) {
+  const double until = own.end + own.reach;
+  ones[count] = {until, own.end, own.reach, own.speed};
+  limits[count++] = own;
+  limit(together, own);
+  least_until = std::min(least_until, until);
+  most_until = std::max(most_until, until);
 }
 
 void CellMaker::spread_back(const RawCell& from) {

@@ -117,21 +117,24 @@ struct FeedSection {
   double bell_s = 0;       ///< AccelerationShape::bell_s; both change at stops only
 };
 
-/// A cell before it is final.
-struct RawCell {
-  double begin = 0, end = 0;
-  bool straight = false, stop = false;
-  std::uint8_t shape = 0;
-  std::uint16_t smoothing = 1;
-  FeedKind kind = FeedKind::feed;
-  double reference_rpm = 0;
-  // What other cells take over where it reaches them.
+/// What a cell allows, and other cells take over where it reaches them.
+struct CellLimits {
   AxisVector rate{};                    ///< largest |q'|
   AxisVector bend_up{}, bend_down{};    ///< largest q'' with, against the sense of q'; signed
   double speed = 0;                     ///< highest, whatever the override
   double feed = 0;                      ///< highest at override 1
   double speed_up = 0, slow_down = 0;   ///< as in Cell
   double jerk_gain = 0, jerk_loss = 0;  ///< as in Cell
+};
+
+/// A cell before it is final.
+struct RawCell : CellLimits {
+  double begin = 0, end = 0;
+  bool straight = false, stop = false;
+  std::uint8_t shape = 0;
+  std::uint16_t smoothing = 1;
+  FeedKind kind = FeedKind::feed;
+  double reference_rpm = 0;
   double reach = 0;  ///< own highest speed times the smoothing time: how far its limits are spread
 };
 
@@ -176,10 +179,19 @@ class CellMaker {
   // Handed over, then final, then those whose limits may still change.
   std::vector<RawCell> staged_;
   std::size_t taken_ = 0, final_ = 0;
+  /// Some cells one behind the other: what all of them reach takes over their limits at once.
   struct Reaching {
-    explicit Reaching(const RawCell& own) : cell(own), until(own.end + own.reach) {}
-    RawCell cell;
-    double until;
+    static constexpr std::size_t kMost = 4;
+    struct One {
+      double until, end, reach, speed;  // end + reach, …
+    };
+    explicit Reaching(const RawCell& own);
+    void add(const RawCell& own);
+    std::array<One, kMost> ones;
+    std::array<CellLimits, kMost> limits;
+    CellLimits together;
+    std::size_t count = 0;
+    double least_until, most_until;
   };
   std::vector<Reaching> reaching_;  // cells whose limits still reach beyond the newest
   struct Ending {

@@ -109,7 +109,8 @@ constexpr AccelerationGap kGaps[] = {
     {"k2000tc", "P6412", kMeanOnly},           {"k2000tc", "P6413", kMeanOnly},
     {"k2000tc", "P6416", kMeanOnly},           {"k2000tc", "P6458", kTolerance},
     {"k2000tc", "P6460", kTolerance},          {"k2000tc", "P6468", kTolerance},
-    {"gsk-218t", "P009.5", "as if it were 0"}, {"gsk-218t", "P009.7", "as if it were 0"},
+    {"k2000tc", "P6482", kMeanOnly},           {"gsk-218t", "P009.5", "as if it were 0"},
+    {"gsk-218t", "P009.7", "as if it were 0"},
 };
 
 struct Words {

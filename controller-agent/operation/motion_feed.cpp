@@ -197,6 +197,7 @@ std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operati
   const auto* positioning = std::get_if<interp::Rapid>(&operation);
   const bool rapid = positioning != nullptr;
   const double away = rapid && after_thread_ ? positioning->retreat_ratio : 0;
+  const double fastest_away = after_thread_ ? rules_.speeds.retreat_mm_s : 0;
   const interp::Motion& common = motion_of(operation);
   std::optional<axes::Overtravel> overtravel;
   std::uint64_t tag = 0;
@@ -211,6 +212,8 @@ std::optional<axes::Overtravel> MotionFeed::add(const interp::Operation& operati
     }
     if (path_length(position_, move) <= kNoMove_mm) continue;
     limit_speed(move, !rapid);
+    if (fastest_away > 0)
+      move.highest_mm_s = move.highest_mm_s > 0 ? std::min(move.highest_mm_s, fastest_away) : fastest_away;
     limit_acceleration(move, common.modal, away);
     keep_clear(move);
     if (tag == 0) {

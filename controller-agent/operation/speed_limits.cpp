@@ -46,6 +46,8 @@ SpeedLimits SpeedLimits::read(const machine::Machine& machine, const interp::Mac
     limits.arc_acceleration.fill(std::max(0.0, data.parameter("P331")));
     limits.arc_least_mm_s = data.parameter("P332") / 60;
     limits.arc_always = true;
+  } else if (machine.profile == "k2000tc") {
+    limits.retreat_mm_s = std::max(0.0, data.parameter("P6484")) / 60;  // L3955
   }
   return limits;
 }

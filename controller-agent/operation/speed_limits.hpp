@@ -16,6 +16,8 @@ struct SpeedLimits {
   AxisVector arc_acceleration{};  ///< mm/s², per axis (0i-D No. 1735); GSK 2000TC P331 for all
   double arc_least_mm_s = 0;      ///< never below (No. 1732, P332)
   bool arc_always = false;        ///< not only under look-ahead control (2000TC)
+  // ---- out of a thread, whatever G code does it
+  double retreat_mm_s = 0;  ///< along the path (K2000TC P6484)
   // ---- under look-ahead control (G08, G05.1) only
   AxisVector corner_mm_s{};           ///< most an axis' speed may change at a corner (No. 1783)
   bool corner_alike = false;          ///< the same shape has the same speed in every direction (No. 19500#6)

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "program/characters.hpp"
+
 namespace headstock::program {
 namespace {
 
@@ -49,9 +51,6 @@ constexpr std::array<Kind, 256> kKind = [] {
 
 Kind kind_of(char c) {
   return kKind[static_cast<unsigned char>(c)];
-}
-bool is_digit(char c) {
-  return static_cast<unsigned char>(c - '0') < 10;
 }
 
 struct Number {

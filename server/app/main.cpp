@@ -2,11 +2,10 @@
 
 #include <iostream>
 
-#include <CLI/CLI.hpp>
-
 #include "generated/version.hpp"
 #include "db/refusal.hpp"
 #include "protocol/process/log.hpp"
+#include "protocol/process/options.hpp"
 #include "server/app/shop.hpp"
 #include "server/backup/server_backup.hpp"
 
@@ -16,25 +15,25 @@ using headstock::app::Options;
 using headstock::app::Shop;
 using headstock::app::StartError;
 
-void describe(CLI::App& cli, Options& options, std::string& log_level) {
-  cli.set_version_flag("--version", std::string("headstock-server ") + headstock::app::version());
-  cli.add_option("--data", options.data, "Folder of everything the shop keeps; made if absent")->required();
-  cli.add_option("--address", options.address, "IP address to listen on; other than loopback: with TLS")->capture_default_str();
-  cli.add_option("--port", options.port, "Port of browser and API; 0: any free one")->capture_default_str();
-  cli.add_option("--agent-address", options.agent_address, "IP address for the agents (default: --address)");
-  cli.add_option("--agent-port", options.agent_port, "Port for the agents; 0: any free one")->capture_default_str();
-  cli.add_option("--tls-cert", options.tls_certificate, "Certificate chain (PEM) of the browser's side");
-  cli.add_option("--tls-key", options.tls_key, "Its private key (PEM)");
-  cli.add_flag("--tls", options.tls, "TLS on loopback too, with a certificate of the shop's own CA if none is given");
-  cli.add_flag("--plain-http", options.plain_http, "Insist on plain HTTP; refused outside loopback");
-  cli.add_option("--database", options.database,
-                 "PostgreSQL database instead of SQLite in the data folder: postgresql://user@host/name, or any libpq string")
-      ->envname("HEADSTOCK_DATABASE");
-  cli.add_option("--initial-admin-file", options.first_sign_in_file,
-                 "Where to write the first sign-in (default: DATA/first-sign-in)");
-  cli.add_option("--log-level", log_level, "trace, debug, info, warn, error")
-      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error"}))
-      ->capture_default_str();
+void describe(headstock::options::Program& cli, Options& options, std::string& log_level) {
+  cli.version(std::string("headstock-server ") + headstock::app::version());
+  cli.option("--data", options.data, "Folder of everything the shop keeps; made if absent").required();
+  cli.option("--address", options.address, "IP address to listen on; other than loopback: with TLS").shows_default();
+  cli.option("--port", options.port, "Port of browser and API; 0: any free one").shows_default();
+  cli.option("--agent-address", options.agent_address, "IP address for the agents (default: --address)");
+  cli.option("--agent-port", options.agent_port, "Port for the agents; 0: any free one").shows_default();
+  cli.option("--tls-cert", options.tls_certificate, "Certificate chain (PEM) of the browser's side");
+  cli.option("--tls-key", options.tls_key, "Its private key (PEM)");
+  cli.flag("--tls", options.tls, "TLS on loopback too, with a certificate of the shop's own CA if none is given");
+  cli.flag("--plain-http", options.plain_http, "Insist on plain HTTP; refused outside loopback");
+  cli.option("--database", options.database,
+             "PostgreSQL database instead of SQLite in the data folder: postgresql://user@host/name, or any libpq string")
+      .environment("HEADSTOCK_DATABASE");
+  cli.option("--initial-admin-file", options.first_sign_in_file,
+             "Where to write the first sign-in (default: DATA/first-sign-in)");
+  cli.option("--log-level", log_level, "trace, debug, info, warn, error")
+      .one_of({"trace", "debug", "info", "warn", "error"})
+      .shows_default();
   cli.footer("Exit status: 0 stopped cleanly, 2 usage, 3 port in use, 4 data folder in use, 5 database cannot be used,\n"
              "6 TLS, 1 anything else.");
 }
@@ -73,19 +72,14 @@ int restore(const Options& options, const std::filesystem::path& archive) {
 }
 
 int main(int argc, char** argv) {
-  CLI::App cli{"Headstock server: programs, machines and the people of one shop"};
+  headstock::options::Program cli("Headstock server: programs, machines and the people of one shop");
   Options options;
   std::string log_level = "info";
   std::filesystem::path archive;
   describe(cli, options, log_level);
-  cli.add_option("--restore", archive, "Fill the empty data folder (and database) from this backup of a server, then end")
-      ->check(CLI::ExistingFile);
-  try {
-    cli.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int status = cli.exit(error);
-    return status == 0 ? 0 : StartError::usage;
-  }
+  cli.option("--restore", archive, "Fill the empty data folder (and database) from this backup of a server, then end")
+      .existing_file();
+  if (const auto ended = cli.parse(argc, argv, StartError::usage)) return *ended;
   headstock::log::send_to(headstock::log::Target::standard_output);
   headstock::log::leave_out_below(log_level);
   if (!archive.empty()) return restore(options, archive);

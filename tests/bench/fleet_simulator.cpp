@@ -7,7 +7,6 @@
 // One agent a token (one token a line). With --folder the agents keep their certificates and need no tokens
 // the next time.
 
-#include <CLI/CLI.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -24,6 +23,7 @@
 #include "link/program_memory.hpp"
 #include "link/spool.hpp"
 #include "protocol/process/log.hpp"
+#include "protocol/process/options.hpp"
 #include "tests/unit/temporary_folder.hpp"
 
 namespace {
@@ -100,18 +100,16 @@ class SimulatedMachine final : public link::LinkHost {
 }  // namespace
 
 int main(int count, char** arguments) {
-  CLI::App app("Many simulated agents against one server");
+  headstock::options::Program app("Many simulated agents against one server");
   std::string server = "127.0.0.1:7878", tokens_file, folder_name;
   double updates = 5, parts_per_minute = 2, seconds = 0;
-  app.add_option("--server", server, "HOST:PORT of the server's agents' port");
-  app.add_option("--tokens", tokens_file, "file with one enrolment token a line")
-      ->required()
-      ->check(CLI::ExistingFile);
-  app.add_option("--updates-per-second", updates)->check(CLI::Range(0.1, 10.0));
-  app.add_option("--parts-per-minute", parts_per_minute, "of each machine")->check(CLI::Range(0.0, 600.0));
-  app.add_option("--folder", folder_name, "keeps certificates and spools; a temporary one otherwise");
-  app.add_option("--seconds", seconds, "0: until interrupted");
-  CLI11_PARSE(app, count, arguments);
+  app.option("--server", server, "HOST:PORT of the server's agents' port");
+  app.option("--tokens", tokens_file, "file with one enrolment token a line").required().existing_file();
+  app.option("--updates-per-second", updates).between(0.1, 10.0);
+  app.option("--parts-per-minute", parts_per_minute, "of each machine").between(0.0, 600.0);
+  app.option("--folder", folder_name, "keeps certificates and spools; a temporary one otherwise");
+  app.option("--seconds", seconds, "0: until interrupted");
+  if (const auto ended = app.parse(count, arguments, 1)) return *ended;
   headstock::log::leave_out_below("error");
 
   std::vector<std::string> tokens;

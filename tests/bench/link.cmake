@@ -6,6 +6,6 @@ headstock_program(bench_drip SOURCES ${CMAKE_CURRENT_LIST_DIR}/drip_bench.cpp ${
 headstock_program(bench_drip_fleet SOURCES ${CMAKE_CURRENT_LIST_DIR}/drip_fleet_bench.cpp ${PROJECT_SOURCE_DIR}/tests/unit/link/shop.cpp
   DEPENDS headstock::link headstock::gateway)
 # fleet_simulator: many agents without a CNC, against a running server.
-headstock_program(fleet_simulator SOURCES ${CMAKE_CURRENT_LIST_DIR}/fleet_simulator.cpp DEPENDS headstock::link CLI11::CLI11 spdlog::spdlog)
+headstock_program(fleet_simulator SOURCES ${CMAKE_CURRENT_LIST_DIR}/fleet_simulator.cpp DEPENDS headstock::link headstock::process)
 set_target_properties(bench_drip bench_drip_fleet fleet_simulator PROPERTIES EXCLUDE_FROM_ALL TRUE)
 add_dependencies(bench bench_drip bench_drip_fleet fleet_simulator)

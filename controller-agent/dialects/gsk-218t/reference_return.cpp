@@ -1,10 +1,7 @@
 #include "dialects/gsk-218t/reference_return.hpp"
 
 #include "interpreter/executor.hpp"
-
-namespace headstock::interp::handlers {
-bool reference_return(Executor& ex);
-}
+#include "interpreter/handlers.hpp"
 
 namespace headstock::dialects::gsk_218t {
 

@@ -7,13 +7,6 @@
 #include "dialects/k2000tc/language.hpp"
 #include "interpreter/handlers.hpp"
 
-namespace headstock::interp::handlers {
-bool machine_move(Executor& ex);
-bool cylinder(Executor& ex);
-bool enter_polar(Executor& ex, int linear, int rotary);
-bool polar_interpolation_off(Executor& ex);
-}  // namespace headstock::interp::handlers
-
 namespace headstock::dialects::k2000tc {
 namespace {
 

@@ -5,10 +5,7 @@
 
 #include "dialects/k2000tc/language.hpp"
 #include "dialects/k2000tc/modes.hpp"
-
-namespace headstock::interp::handlers {
-bool data_input(Executor& ex);
-}
+#include "interpreter/handlers.hpp"
 
 namespace headstock::dialects::k2000tc {
 namespace {

@@ -1,15 +1,12 @@
 // Blocks of the K2000TC as text: what is read before the lexer, searched, and left out.
 #include "dialects/k2000tc/language.hpp"
+#include "program/characters.hpp"
 
 namespace headstock::dialects::k2000tc {
 namespace {
 
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
-char upper(char c) {
-  return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c;
-}
+using program::is_digit;
+using program::upper;
 
 // Behind blanks, `/n` and N: where a block's own text begins.
 const char* behind_head(const char* at, const char* end, bool& skipped, std::uint32_t skip_switches) {

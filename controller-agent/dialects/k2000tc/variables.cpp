@@ -99,6 +99,33 @@ double& cell_of(interp::ToolOffset& tool, const OffsetColumn& column) {
   return column.wear ? tool.radius_wear : tool.radius;
 }
 
+// #5001… end of the block before, #5011… machine coordinates as their page shows them, #5041… absolute
+// position now, and where a skip ended, #5081… offset in force: of the axis that the last digit counts
+// from 1. @return whether it is one.
+bool read_of_axis(const Executor& ex, std::uint32_t number, Value& value) {
+  const std::size_t axis = number % 10 - std::size_t{1};
+  if (number % 10 == 0 || axis >= ex.axes.size()) return false;
+  const auto known = [&value](double is) {
+    value = Value::of_double(is);
+    return true;
+  };
+  switch (number / 10) {
+    case 500:
+    case 504:
+      return known(ex.work_now[axis]);
+    case 501:
+      return known(ex.machine_now[axis] / ex.axes[axis].diameter);
+    case 508: {
+      const auto offset = static_cast<std::size_t>(ex.modal.offset);
+      const auto& tools = ex.data.tools;
+      const bool there = ex.modal.offset > 0 && offset < tools.size();
+      return known(there ? tools[offset].geometry[axis] + tools[offset].wear[axis] : 0);
+    }
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 Error Language::read_system(std::uint32_t number, Value& value) {
@@ -115,10 +142,8 @@ Error Language::read_system(std::uint32_t number, Value& value) {
     value = tenths % 10 == 0 ? Value::of_int(tenths / 10) : Value::of_double(tenths / 10.0);
     return Error::none;
   }
-  const std::size_t axis = number % 10 - 1;  // of #50x1…#50x8
-  const bool is_axis = number >= 5'001 && number % 10 != 0 && number % 10 <= ex_.axes.size();
-  if (number == 5'000 || number == 5'010 || number == 5'040) return Error::no_variable;  // the axes begin at 1
-  switch (is_axis ? number / 10 * 10 : number) {
+  if (read_of_axis(ex_, number, value)) return Error::none;
+  switch (number) {
     case 4'105:
       value = Value::of_double(ex_.modal.feed);
       return Error::none;
@@ -140,25 +165,11 @@ Error Language::read_system(std::uint32_t number, Value& value) {
     case 4'119:
       value = Value::of_int(ex_.modal.tool * 100 + ex_.modal.offset);
       return Error::none;
-    case 5'000:  // end of the block before
-      value = Value::of_double(ex_.work_now[axis]);
-      return Error::none;
-    case 5'010:  // machine coordinates as their page shows them
-      value = Value::of_double(ex_.machine_now[axis] / ex_.axes[axis].diameter);
-      return Error::none;
-    case 5'040:  // absolute position now, and where a skip ended
-      value = Value::of_double(ex_.work_now[axis]);
-      return Error::none;
     case 5'080: {
       const auto offset = static_cast<std::size_t>(ex_.modal.offset);
       const bool known = ex_.modal.offset > 0 && offset < ex_.data.tools.size();
-      if (is_axis) {
-        value = Value::of_double(
-            known ? ex_.data.tools[offset].geometry[axis] + ex_.data.tools[offset].wear[axis] : 0);
-      } else {
-        value =
-            Value::of_double(known ? ex_.data.tools[offset].radius + ex_.data.tools[offset].radius_wear : 0);
-      }
+      value =
+          Value::of_double(known ? ex_.data.tools[offset].radius + ex_.data.tools[offset].radius_wear : 0);
       return Error::none;
     }
     default:

@@ -3,13 +3,12 @@
 #include <string>
 
 #include "dialects/lathe-200t/language.hpp"
+#include "program/characters.hpp"
 
 namespace headstock::dialects::lathe_200t {
 namespace {
 
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
+using program::is_digit;
 
 // The inputs that exist: 36 ports and 27 functions, 63 in all (L9602-L9645).
 constexpr struct { std::int64_t first, last; } kInputs[] = {{1, 16}, {20, 24}, {31, 38}, {41, 47}, {51, 77}};

@@ -1,17 +1,15 @@
 // A 200T block as text: label, comments, port M codes; what is left goes to the common lexer.
 #include "dialects/lathe-200t/language.hpp"
+#include "program/characters.hpp"
 
 namespace headstock::dialects::lathe_200t {
 namespace {
 
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
+using program::is_digit;
+using program::upper;
+
 bool is_blank(char c) {
   return c == ' ' || c == '\t';
-}
-char upper(char c) {
-  return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c;
 }
 
 // M codes that mean something (mcodes.tsv); everything else is a mistake in the program.

@@ -6,20 +6,16 @@
 #include <cstdlib>
 #include <limits>
 
+#include "program/characters.hpp"
+
 namespace headstock::k2000 {
 namespace {
 
 constexpr int kMostDepth = 40;  // brackets inside each other; the manual names no limit
 
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
-bool is_letter(char c) {
-  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
-}
-char upper(char c) {
-  return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c;
-}
+using program::is_digit;
+using program::is_letter;
+using program::upper;
 
 struct Written {
   int level;  // 0 binds loosest

@@ -111,6 +111,24 @@ TEST(Flow, ThePathIsTheSameAtEveryOverride) {
   }
 }
 
+TEST(Flow, MoreThanTwoThousandSegmentsAreLookedAhead) {
+  // In the middle of a long run of segments the axes go as fast as they can still be stopped from inside what is known.
+  constexpr double kSegment_mm = 0.01, kRadius_mm = 1000, kAcceleration_mm_s2 = 2000;
+  constexpr int kSegments = 12'000, kAhead = 2'000;
+  std::vector<Move> moves;
+  for (int i = 1; i <= kSegments; ++i) {
+    const double angle = kSegment_mm * i / kRadius_mm;
+    moves.push_back(rig::line({kRadius_mm * std::sin(angle), kRadius_mm * (1 - std::cos(angle))}, 450));
+    moves.back().tag = moves.size();
+  }
+  for (const double jerk : {500'000.0, 1e12}) {
+    const rig::Run run = flowing(rig::machine(2, 500, kAcceleration_mm_s2, jerk), moves);
+    double fastest = 0;
+    for (const Sample& sample : run.samples) fastest = std::max(fastest, sample.path_speed_mm_s);
+    EXPECT_GT(fastest, std::sqrt(2 * kAcceleration_mm_s2 * kAhead * kSegment_mm)) << jerk;
+  }
+}
+
 TEST(Flow, RoundingTheProgramToMicrometresCostsNoTime) {
   for (const double jerk : kFlowJerks) {
     const auto machine = rig::machine(2, 500, 2000, jerk);

@@ -270,7 +270,7 @@ TEST(AccelerationShapes, HoldResumeSingleBlockAndResetBehindAFilter) {
 
 TEST(AccelerationShapes, WhatIsNotDoneIsSaidOnceNotPassedOver) {
   Bench bench("k2000tc");
-  set_parameters(bench, {{"P6410", 3}, {"P6458", 4}});
+  set_parameters(bench, {{"P6410", 3}, {"P6458", 4}, {"P6482", 2}});
   bench.load("O1\nG98\nG01 Z-5. F3000.\nM30\n");
   ASSERT_TRUE(bench.start());
   const auto messages = bench.controller.live().alarms;
@@ -279,6 +279,7 @@ TEST(AccelerationShapes, WhatIsNotDoneIsSaidOnceNotPassedOver) {
   EXPECT_TRUE(messages[0].message);
   EXPECT_NE(messages[0].text_en.find("P6410"), std::string::npos) << messages[0].text_en;
   EXPECT_NE(messages[0].text_en.find("P6458"), std::string::npos) << messages[0].text_en;
+  EXPECT_NE(messages[0].text_en.find("P6482"), std::string::npos) << messages[0].text_en;
   ASSERT_TRUE(bench.until_state(State::idle, 20)) << "it stops nothing";
   ASSERT_TRUE(bench.start());
   EXPECT_TRUE(bench.controller.live().alarms.empty()) << "said once";

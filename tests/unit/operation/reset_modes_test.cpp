@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "interpreter/data_values.hpp"
 #include "tests/unit/operation/bench.hpp"
 
 namespace headstock::operation {
@@ -130,12 +131,14 @@ TEST(ResetModes, TheStartPointOfThe200TIsThatOfTheLastBlock) {
   EXPECT_NEAR(bench.controller.live().absolute[1], 20, 1e-9);
 }
 
-double offset_of_x(Bench& bench) {
-  double value = 0;
+double value_of(Bench& bench, const std::string& what) {
+  double value = -1;
+  std::vector<char> axes;
+  for (const machine::Axis& axis : bench.controller.machine().axes) axes.push_back(axis.name);
   EXPECT_TRUE(bench.controller
                   .edit_data(
                       [&](interp::MachineData& data) {
-                        if (data.tools.size() > 1) value = data.tools[1].geometry[0];
+                        value = interp::read_value(data, axes, what).value.value_or(-1);
                       },
                       {}, "test")
                   .accepted);
@@ -143,14 +146,60 @@ double offset_of_x(Bench& bench) {
 }
 
 // G10 adds to the page: read twice, once before a RESET, it would add twice.
-TEST(ResetModes, AnOffsetOfThe200TIsWrittenWhenItsBlockRuns) {
-  Bench bench("lathe-200t");
-  bench.load("T0101\nG98 G01 X40. F600\nG10 P1 U1\nG01 X44.\nM02\n");
+struct DataInput {
+  const char* name;
+  const char* profile;
+  const char* program;  // RESET comes in the block in front of G10, on the way from X5 on
+  const char* what;     // is 0, and 1 when the program has run
+};
+
+class ResetBeforeDataInput : public testing::TestWithParam<DataInput> {};
+
+TEST_P(ResetBeforeDataInput, WritesWhenItsBlockRuns) {
+  const DataInput& given = GetParam();
+  Bench bench(given.profile);
+  bench.load(given.program);
   reset_in_motion(bench, 5);
-  EXPECT_EQ(offset_of_x(bench), 0);
+  EXPECT_EQ(value_of(bench, given.what), 0);
   ASSERT_TRUE(bench.start());
   ASSERT_TRUE(bench.until_state(State::idle));
-  EXPECT_NEAR(offset_of_x(bench), 1, 1e-9);
+  EXPECT_NEAR(value_of(bench, given.what), 1, 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ResetModes, ResetBeforeDataInput,
+    testing::Values(
+        DataInput{"Lathe200T", "lathe-200t", "T0101\nG98 G01 X40. F600\nG10 P1 U1\nG01 X44.\nM02\n",
+                  "tool/1/geometry/X"},
+        DataInput{"K2000TC", "k2000tc", "T0101\nG98 G01 X40. F600.\nG10 P1 U1.\nG01 X44.\nM30\n",
+                  "tool/1/geometry/X"},
+        DataInput{"K2000TCShift", "k2000tc", "G98 G01 X40. F600.\nG10 P0 W1.\nG01 X44.\nM30\n",
+                  "work/shift/Z"},
+        DataInput{"Wear", "fanuc-0i-t", "O1\nT0101\nG98 G01 X40. F600.\nG10 P1 U1.\nG01 X44.\nM30\n",
+                  "tool/1/wear/X"},
+        DataInput{"Geometry", "fanuc-0i-t", "O1\nG98 G01 X40. F600.\nG10 P10002 W1.\nG01 X44.\nM30\n",
+                  "tool/2/geometry/Z"},
+        DataInput{"Radius", "fanuc-0i-m", "O1\nG90 G94 G01 X40. F600.\nG91 G10 L12 P1 R1.\nG90 X44.\nM30\n",
+                  "tool/1/radius"},
+        DataInput{"Zero", "fanuc-0i-m", "O1\nG90 G94 G01 X40. F600.\nG91 G10 L2 P2 X1.\nG90 X44.\nM30\n",
+                  "work/G55/X"},
+        DataInput{"Computed", "fanuc-0i-m",
+                  "O1\n#1=1\nG90 G94 G01 X40. F600.\nG91 G10 L12 P1 R#1\nG90 X44.\nM30\n", "tool/1/radius"},
+        // The motion in front of it waits for the one behind it: G10 is carried out first, and taken back.
+        DataInput{
+            "Compensated", "fanuc-0i-m",
+            "O1\nG90 G94 G41 G01 X2. D1 F600.\nX40.\nG91 G10 L12 P2 R1.\nG90 X44.\nX50.\nG40 X60.\nM30\n",
+            "tool/2/radius"},
+        DataInput{"Chamfered", "fanuc-0i-m",
+                  "O1\nG90 G94 G01 X40. ,C1. F600.\nG91 G10 L12 P2 R1.\nG90 Y44.\nM30\n", "tool/2/radius"}),
+    [](const auto& given) { return std::string(given.param.name); });
+
+// What was done before the block under way stays, though the tool is still compensated.
+TEST(ResetModes, DataInputOfABlockThatIsDoneStays) {
+  Bench bench("fanuc-0i-m");
+  bench.load("O1\nG90 G94 G41 G01 X2. D1 F600.\nX4.\nG91 G10 L12 P2 R1.\nG90 X40.\nX50.\nG40 X60.\nM30\n");
+  reset_in_motion(bench, 8);
+  EXPECT_NEAR(value_of(bench, "tool/2/radius"), 1, 1e-9);
 }
 
 // K2000TC #4112: the M code before.

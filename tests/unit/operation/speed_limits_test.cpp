@@ -73,6 +73,46 @@ TEST(ArcSpeed, OfThe2000TCHoldsAlways) {  // P331, P332
   EXPECT_NEAR(run("gsk-2000tc", {{"P331", 100}, {"P332", 2'400}}, arc).highest, 40, 0.5);
 }
 
+// K2000TC L3955: whether G00 or G01 leads away from a thread, P6484 holds; not for what comes after it.
+TEST(RetreatSpeed, OfTheK2000TCIsNotAboveItsLimit) {
+  struct WayOut {
+    const char* blocks;
+    double p6484, expected;  // mm/min; mm/s of the slide, 0: faster than all these limits
+  };
+  constexpr WayOut kWays[] = {{"G92 U-40. W-30. F2.\n", 0, 0},
+                              {"G92 U-40. W-30. F2.\n", 600, 10},
+                              {"G32 W-30. F2.\nG00 U40.\n", 0, 0},
+                              {"G32 W-30. F2.\nG00 U40.\n", 600, 10},
+                              {"G32 W-30. F2.\nG01 U40. F3000\n", 600, 10},
+                              {"G32 W-30. F2.\nG01 U40. F300\n", 600, 5}};
+  for (const WayOut& one : kWays) {
+    SCOPED_TRACE(std::string(one.blocks) + "P6484=" + std::to_string(one.p6484));
+    interp::MachineData data;
+    data.parameters = {{"P0042", 3}, {"P6484", one.p6484}};
+    Controller controller(quick("k2000tc"), data, virtual_options());
+    const std::string program = "O1\nG98 G21 G97 S500 M03\n" + std::string(one.blocks) + "G00 W30.\nM30\n";
+    controller.select("main", "hash",
+                      single_program([program] { return program::source_from_text(program); }));
+    double x = 0, away = 0, back = 0;
+    VirtualRun virtual_run(controller);
+    EXPECT_EQ(virtual_run.run([&] {
+      const auto sample = controller.sample();
+      double& highest = sample.position[0] > x + 1e-9 ? away : back;
+      if (sample.position[0] >= x) highest = std::max(highest, sample.path_speed_mm_s);
+      x = sample.position[0];
+      return true;
+    }),
+              RunEnd::completed)
+        << virtual_run.reason;
+    if (one.expected > 0) {
+      EXPECT_NEAR(away, one.expected, 0.03 * one.expected);
+    } else {
+      EXPECT_GT(away, 50);
+    }
+    EXPECT_GT(back, 50) << "only the way out";
+  }
+}
+
 double corner_speed(const std::map<std::string, double, std::less<>>& parameters, const std::string& blocks,
                     double x, double y) {
   interp::MachineData data;

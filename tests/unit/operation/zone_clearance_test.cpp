@@ -169,8 +169,10 @@ TEST(ZoneClearance, AMoveWhoseFollowerComesLaterStopsAtItsEnd) {
     set(bench, parameters);
     set(bench, box.parameters());
     auto feeder = std::make_shared<Feeder>();
-    // The first move is far from the zone but for its end.
-    feeder->text = "%\nO1\nG90 G94 G21 G17\nG00 X30.\nG01 X19.999 Y9.999 F3000.\nY35.\nX0\nM30\n%\n";
+    // Enough moves for the axes to be on their way, then one that is far from the zone but for its end.
+    feeder->text = "%\nO1\nG90 G94 G21 G17\nG01 F3000.\n";
+    for (int i = 1; i <= 60; ++i) feeder->text += "X" + std::to_string(0.5 * i) + "\n";
+    feeder->text += "X19.999 Y9.999\nY35.\nX0\nM30\n%\n";
     ASSERT_TRUE(bench.controller
                     .select_stream("drip.nc", "h", std::make_unique<FedSource>(feeder), feeder->text.size())
                     .accepted);
@@ -179,7 +181,7 @@ TEST(ZoneClearance, AMoveWhoseFollowerComesLaterStopsAtItsEnd) {
     double deepest = -1e9;
     const auto watch = [&] {
       deepest = std::max(deepest, box.depth(bench.controller.sample().position));
-      return bench.controller.sample().position[1] > 1;
+      return bench.controller.sample().position[0] > 3;
     };
     ASSERT_TRUE(bench.until(watch, 20));
     feeder->released = feeder->text.size();
