@@ -49,17 +49,20 @@ function(headstock_common_headers name level header)
 endfunction()
 
 # Several sources in one run of the compiler: their headers are read once. headstock_together(TARGET… ALONE SOURCE… HEADERS
-# NAME) names the targets whose sources may stand in one file; ALONE are those whose file-local names clash with their
+# NAME AT_ONCE n) names the targets whose sources may stand in one file; ALONE are those whose file-local names clash with their
 # neighbours', HEADERS the common headers that fit how these targets are compiled.
 function(headstock_together)
-  cmake_parse_arguments(ARG "" "HEADERS" "ALONE" ${ARGN})
+  cmake_parse_arguments(ARG "" "HEADERS;AT_ONCE" "ALONE" ${ARGN})
+  if(NOT ARG_AT_ONCE)
+    set(ARG_AT_ONCE 8)
+  endif()
   if(HEADSTOCK_TOGETHER)
     foreach(target ${ARG_UNPARSED_ARGUMENTS})
       get_target_property(folder ${target} SOURCE_DIR)
       foreach(source ${ARG_ALONE})
         set_property(SOURCE ${folder}/${source} TARGET_DIRECTORY ${target} PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)
       endforeach()
-      set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+      set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ARG_AT_ONCE})
       # Seen from the joined file, what is local to one source looks as if it were local to a header.
       target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
       if(ARG_HEADERS AND TARGET headstock_headers_${ARG_HEADERS})

@@ -11,7 +11,7 @@
 namespace headstock::dnc {
 namespace {
 
-constexpr int kPiece = 1'000;
+constexpr int kTransfersAtOnce = 1'000;
 
 void row(std::string& out, std::initializer_list<std::string> values) {
   bool first = true;
@@ -51,7 +51,7 @@ void ports_piece(db::Database& db, const LogWish& wish, LogPlace& place, std::st
   for (auto& port : db::ports(db)) ports[port.id] = port;
   const auto names = machine_names(db);
   const auto list =
-      db::port_transfers(db, {wish.port, false, wish.from_ms, wish.to_ms}, {place.port_before, kPiece});
+      db::port_transfers(db, {wish.port, false, wish.from_ms, wish.to_ms}, {place.port_before, kTransfersAtOnce});
   for (const auto& one : list.items) {
     const auto port = ports.find(one.port);
     const auto machine = port == ports.end() ? 0 : port->second.machine;
@@ -86,7 +86,7 @@ void agents_piece(db::Database& db, const LogWish& wish, LogPlace& place, std::s
   const auto names = machine_names(db);
   db::TransferFilter filter;
   filter.machine = wish.machine;
-  const auto list = db::transfers(db, filter, {place.agent_before, kPiece});
+  const auto list = db::transfers(db, filter, {place.agent_before, kTransfersAtOnce});
   for (const auto& one : list.items) {
     if (!in_time(wish, one.created_ms)) continue;
     const auto name = names.find(one.machine);

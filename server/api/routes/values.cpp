@@ -63,7 +63,7 @@ json values_json(Services& s, const fleet::MachinePages& pages, const db::Machin
           {"parameter_write", s.fleet.parameter_write(pages.machine.id)}};
 }
 
-std::vector<Route> reading(Services& s) {
+std::vector<Route> reading_values(Services& s) {
   std::vector<Route> routes;
   routes.push_back({.method = Method::get, .pattern = "/machines/{id}/values", .role = Role::viewer,
                     .summary = "Offsets, tool life, parameters and variables the machine has, by name; what is not in it is 0 or not set",
@@ -355,7 +355,7 @@ std::vector<Route> ruling(Services& s) {
 }  // namespace
 
 std::vector<Route> value_routes(Services& s) {
-  return joined(s, {reading, writing, ruling});
+  return joined(s, {reading_values, writing, ruling});
 }
 
 }  // namespace headstock::api
