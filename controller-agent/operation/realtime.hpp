@@ -140,8 +140,9 @@ class Realtime {
   std::atomic<motion::Kernel*> second_kernel{nullptr};
   Hand& hand() { return hand_; }
 
-  /// One reader at a time (the controller's lock).
-  const RealtimeState& state() { return buffer_.read(); }
+  /// One reader at a time (the controller's lock). A copy: what is behind the buffer's reference changes with the next
+  /// call, and whoever holds one state may call somebody who asks for another.
+  RealtimeState state() { return buffer_.read(); }
 
   // ---- real-time thread
   void step() noexcept;
