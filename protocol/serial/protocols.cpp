@@ -169,6 +169,7 @@ SendRules send_rules(const LinkSettings& settings, Duration round_trip) {
   rules.obey_dc = settings.line.software();
   rules.obey_cts = settings.line.hardware();
   rules.character = std::chrono::duration_cast<Duration>(settings.line.character_time());
+  rules.percent = byte_of(settings, '%');
   rules.window = window_of(settings, round_trip);
   if (row != nullptr && row->end_byte) rules.ending.assign(1, static_cast<char>(*row->end_byte));
   rules.start_limit = std::chrono::seconds(settings.start_limit_s);

@@ -42,12 +42,6 @@ bool is_blank(char byte) {
   return code == 0 || code == '\n' || code == '\r' || code == 0x80 || code == 0x8D;
 }
 
-/// % in ASCII and ISO, ER in EIA.
-bool is_end_mark(char byte) {
-  const auto code = static_cast<std::uint8_t>(byte);
-  return (code & kSevenBits) == '%' || code == 0x0B;
-}
-
 }  // namespace
 
 std::unique_ptr<Source> text_source(std::string text) {
@@ -205,7 +199,7 @@ void Sender::wrote(std::size_t count, Time now) {
   pacer_.wrote(count, now);
   for (std::size_t i = 0; i < count; ++i) {
     const char byte = buffer_[at_ + i];
-    if (!is_blank(byte)) end_mark_ = is_end_mark(byte);
+    if (!is_blank(byte)) end_mark_ = static_cast<std::uint8_t>(byte) == rules_.percent;
     if (ends_block(byte)) {
       ++counters_.blocks;
       if (rules_.block_delay > Duration::zero()) not_before_ = pacer_.empty_at() + rules_.block_delay;

@@ -47,6 +47,7 @@ struct SendRules {
   bool obey_dc = true;          ///< DC3 stops, DC1 goes on
   bool obey_cts = false;
   Duration character{};      ///< of the line; 0: not paced
+  std::uint8_t percent = '%';  ///< as the line's code punches it: what stands behind it is blank
   std::uint32_t window = 8;  ///< most characters under way; below what the control takes after its DC3
   std::string ending;        ///< bytes behind everything (200T: 1A)
   Duration start_limit = std::chrono::minutes(10);  ///< for the first DC1 or CTS; 0: no limit

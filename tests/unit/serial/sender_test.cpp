@@ -84,6 +84,7 @@ TEST(Sender, ADc3BehindTheEndMarkLeavesTheRestUnsent) {
   const std::string program = "%\nO1\nM30\n%";
   for (const std::string& rest : {std::string("\n"), std::string("\r\n"), "\n" + std::string(10'000, '\0')}) {
     auto rules = rules_for("dc1-dc4");
+    rules.percent = '%';  // the text is not punched here
     rules.window = static_cast<std::uint32_t>(program.size());
     Sender sender(rules, text_source(program + rest), at(0s));
     sender.on_bytes("\x11", at(1s));
@@ -95,11 +96,29 @@ TEST(Sender, ADc3BehindTheEndMarkLeavesTheRestUnsent) {
   }
 }
 
+// The end mark is the one of the line's code: ER in EIA, where 25 is a V.
+TEST(Sender, TheEndMarkIsThatOfTheLinesCode) {
+  auto settings = default_settings("dc1-dc4");
+  for (const auto& [code, mark] : {std::pair{tape::Code::ascii, 0x25}, {tape::Code::iso, 0xA5}, {tape::Code::eia, 0x0B}}) {
+    settings.code = code;
+    EXPECT_EQ(send_rules(settings).percent, mark);
+  }
+  settings.code = tape::Code::eia;
+  auto rules = send_rules(settings);
+  rules.window = 2;
+  Sender sender(rules, text_source("\x80\x25\x80\x0B\x80"), at(0s));
+  sender.on_bytes("\x11", at(1s));
+  EXPECT_EQ(everything(sender, at(1s)), "\x80\x25");
+  sender.on_bytes("\x13", at(1s));
+  EXPECT_EQ(sender.state(), State::held) << "a V ends nothing";
+}
+
 // An end of block that the control has not got, and a second program behind the first, are not left out.
 TEST(Sender, ADc3BeforeTheEndMarkHoldsTheRestBack) {
   for (const std::string text : {"O1\nM30\n", "%\nO1\nM30\n%\nO2\n%"}) {
     for (const std::size_t window : {6u, 9u, 10u}) {
       auto rules = rules_for("dc1-dc4");
+      rules.percent = '%';
       rules.window = static_cast<std::uint32_t>(window);
       Sender sender(rules, text_source(text), at(0s));
       sender.on_bytes("\x11", at(1s));
