@@ -133,7 +133,7 @@ class Exchange {
       got = static_cast<std::size_t>(self.file_->gcount());
       if (got == 0 && part > 0) throw Failure(usage, say("the file became shorter while it was sent", "发送过程中文件变短"));
       self.sent_ += got;
-      if (*self.progress_) (*self.progress_)(self.sent_, self.size_);
+      if (got > 0 && *self.progress_) (*self.progress_)(self.sent_, self.size_);
     });
     return good ? got : CURL_READFUNC_ABORT;
   }

@@ -118,7 +118,7 @@ std::optional<Overtravel> arc_overtravel(const machine::Machine& machine, const 
 
 bool near(const machine::Machine& machine, const AxisVector& point, double distance_mm) {
   for (std::size_t i = 0; i < machine.axes.size(); ++i) {
-    const double distance = machine.axes[i].rotary ? distance_mm * machine.degrees_per_mm() : distance_mm;
+    const double distance = machine.allowance(i, distance_mm);
     if (point[i] > machine.axes[i].max_mm - distance || point[i] < machine.axes[i].min_mm + distance) return true;
   }
   return false;

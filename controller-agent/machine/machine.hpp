@@ -107,6 +107,10 @@ struct Machine {
 
   /// Degrees that count in tolerances as much as 1 mm.
   double degrees_per_mm() const { return tolerance_deg / tolerance_mm; }
+  /// What counts of this axis as much as so many mm where a tolerance is meant [mm or degrees].
+  double allowance(std::size_t axis, double tolerance) const {
+    return axes[axis].rotary ? tolerance * degrees_per_mm() : tolerance;
+  }
 
   /// Index of the axis with this address letter, if the machine has it.
   std::optional<std::size_t> axis_index(char name) const;

@@ -14,8 +14,7 @@ double distance(const AxisVector& a, const AxisVector& b) {
 AxisVector tolerance_weights(const machine::Machine& machine) {
   AxisVector weights;
   weights.fill(1);
-  for (std::size_t i = 0; i < machine.axes.size(); ++i)
-    if (machine.axes[i].rotary) weights[i] = 1 / machine.degrees_per_mm();
+  for (std::size_t i = 0; i < machine.axes.size(); ++i) weights[i] = 1 / machine.allowance(i, 1);
   return weights;
 }
 

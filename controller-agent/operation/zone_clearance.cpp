@@ -4,10 +4,6 @@
 
 namespace headstock::operation {
 
-double ZoneClearance::rounding(std::size_t axis, double tolerance_mm) const {
-  return machine_.axes[axis].rotary ? tolerance_mm * machine_.degrees_per_mm() : tolerance_mm;
-}
-
 bool ZoneClearance::forbids_filter(const AxisVector& start, const motion::Move& move,
                                    const motion::AccelerationShape& shape) const {
   if (zones_.empty() || !shape.filters()) return false;
@@ -20,7 +16,7 @@ bool ZoneClearance::forbids_filter(const AxisVector& start, const motion::Move& 
   for (std::size_t i = 0; i < machine_.axes.size(); ++i) {
     const machine::Axis& axis = machine_.axes[i];
     const double fastest_mm_s = std::max(axis.rapid_mm_min, axis.max_feed_mm_min) / 60;
-    distance[i] = fastest_mm_s * (shape.lag_s(i) + period_s) + rounding(i, move.tolerance_mm);
+    distance[i] = fastest_mm_s * (shape.lag_s(i) + period_s) + machine_.allowance(i, move.tolerance_mm);
   }
   return std::any_of(zones_.begin(), zones_.end(), [&](const axes::Zone& zone) {
     return !zone.outside_forbidden && axes::comes_near(zone, start, move.geometry, distance);
@@ -30,7 +26,7 @@ bool ZoneClearance::forbids_filter(const AxisVector& start, const motion::Move& 
 bool ZoneClearance::forbids_rounding(const AxisVector& start, const motion::Move& move,
                                      double rounding_mm) const {
   AxisVector distance{};
-  for (std::size_t i = 0; i < machine_.axes.size(); ++i) distance[i] = rounding(i, rounding_mm);
+  for (std::size_t i = 0; i < machine_.axes.size(); ++i) distance[i] = machine_.allowance(i, rounding_mm);
   return std::any_of(zones_.begin(), zones_.end(), [&](const axes::Zone& zone) {
     return axes::comes_near(zone, start, move.geometry, distance);
   });

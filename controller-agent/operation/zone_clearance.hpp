@@ -34,8 +34,6 @@ class ZoneClearance {
   bool forbids_rounding(const AxisVector& start, const motion::Move& move, double rounding_mm) const;
 
  private:
-  double rounding(std::size_t axis, double tolerance_mm) const;
-
   const machine::Machine& machine_;
   std::vector<axes::Zone> zones_;
 };
