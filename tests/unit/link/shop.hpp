@@ -226,7 +226,7 @@ class Shop {
   void start_gateway();
   void stop_gateway();
   std::string token_for(std::int64_t machine);
-  /// Runs the loop until the condition holds. @return false after 30 s.
+  /// Runs the loop until the condition holds. @return false after 30 s (300 s under the thread sanitizer).
   bool until(const std::function<bool()>& condition);
   /// Runs the loop for a while, to see that nothing happens.
   void run_for(std::chrono::milliseconds time);
