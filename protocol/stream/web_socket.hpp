@@ -1,5 +1,6 @@
-// A WebSocket over a ByteStream, the server's or a client's end of it: texts that come whole. Beast's templates behind it are
-// compiled once, for the server and for the command line. One reader and one writer at a time. One thread: the stream's.
+// A WebSocket over a ByteStream, the server's or a client's end of it: texts that come whole. Beast's
+// templates behind it are compiled once, for the server and for the command line. One reader and one writer
+// at a time. One thread: the stream's.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -28,10 +29,10 @@ class WebSocket {
 
   /// Is this request of HTTP one for a WebSocket?
   static bool asked_for(const boost::beast::http::request_header<>& request);
-  /// The server's end: accepts. Afterwards the client is asked for a sign of life when it is silent for 15 s, and given up
-  /// after 30. @param longest_message in bytes; a longer one ends the connection.
-  boost::asio::awaitable<boost::system::error_code> accept(const boost::beast::http::request_header<>& request,
-                                                           std::size_t longest_message);
+  /// The server's end: accepts. Afterwards the client is asked for a sign of life when it is silent for 15 s,
+  /// and given up after 30. @param longest_message in bytes; a longer one ends the connection.
+  boost::asio::awaitable<boost::system::error_code> accept(
+      const boost::beast::http::request_header<>& request, std::size_t longest_message);
   /// The client's end: asks for `target` of `host` ("name:port") with the right of `token`.
   boost::asio::awaitable<Refusal> ask_for(std::string host, std::string target, std::string token);
 
