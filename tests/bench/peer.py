@@ -97,11 +97,13 @@ def exact_stops_at_rapids(blocks):
     for block in blocks:
         codes = re.findall(r"G0*([0123])\b", block)
         rapid.append(codes[-1] == "0" if codes else bool(rapid) and rapid[-1])
-    stops = False
+    stops, tolerance = False, TOLERANCE
     for block, here, following in zip(blocks, rapid, rapid[1:] + [False]):
+        if block == "G20":
+            tolerance = TOLERANCE / 25.4
         if (here or following) != stops:
             stops = not stops
-            yield "G61.1" if stops else f"G64 P{TOLERANCE}"
+            yield "G61.1" if stops else f"G64 P{tolerance:.6f}"
         yield block
 
 
