@@ -21,9 +21,9 @@ constexpr int kJerkPoints = 2;  // speeds the jerk limit is looked at
 // Smoothing time: twice acceleration / jerk lets a straight line use its whole acceleration, once of it blurs
 // half as much. The longer one pays as long as it is short beside the waves of a path.
 constexpr double kLongSmoothing_s = 0.010;
-// Periods. A step may begin in one cell and end in another; where the third derivative jumps the acceleration
-// of a step is not that of its middle. Where it does not, what an average mixes from both sides cancels to
-// the first order, and half the way is enough.
+// Periods of an average, or steps of the law. A step may begin in one cell and end in another; where the
+// third derivative jumps the acceleration of a step is not that of its middle. Where it does not, what an
+// average mixes from both sides cancels to the first order, and half the way is enough.
 constexpr double kWindowMargin = 1.0, kSmoothMargin = 0.1;
 constexpr double kSmoothWindow = 0.2, kJumpInWindow = 0.05;  // found by the property tests, not by a proof
 // Of the acceleration: error of a step's middle that is small enough. Averaging adds errors of its own.
@@ -33,7 +33,7 @@ constexpr double kJerkJump = 0.5;  // of the jerk: change of what twist takes of
 struct BendParts {
   double most, blur;
 };
-constexpr BendParts kParts{12, 0.08}, kPartsUnsmoothed{12, 0.05};
+constexpr BendParts kParts{12, 0.08}, kPartsUnsmoothed{24, 0.4};
 constexpr double kMuchSlower = 0.7;  // a bend beside is cut where the limits of something as slow as this end
 constexpr std::size_t kTakenKept = 256;  // cells handed over, before their place is taken back
 
@@ -71,7 +71,9 @@ double most_of(const AxisVector& values) {
 }  // namespace
 
 CellMaker::CellMaker(const machine::Machine& machine)
-    : axes_(machine.axes.size()), period_s_(machine.period_us * 1e-6) {
+    : axes_(machine.axes.size()),
+      period_s_(machine.period_us * 1e-6),
+      law_steps_(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(period_s_ / kLawStep_s)))) {
   for (AxisVector* limits : {&feed_, &rapid_, &acceleration_, &jerk_}) limits->fill(kAny);
   double longest = 0;
   for (std::size_t i = 0; i < axes_; ++i) {
@@ -98,13 +100,14 @@ CellMaker::CellMaker(const machine::Machine& machine)
 void CellMaker::smooth(std::size_t periods, bool asked_for) {
   smoothing_periods_ = periods;
   smoothing_s_ = static_cast<double>(smoothing_periods_) * period_s_;
+  between_s_ = periods > 1 ? period_s_ : period_s_ / static_cast<double>(law_steps_);
   // The average lies in the middle of what it averages: no value of a window is farther from it than half a
   // window at the highest speed there.
-  window_s_ = (0.5 * (static_cast<double>(smoothing_periods_) - 1) + kWindowMargin) * period_s_;
+  window_s_ = (0.5 * (static_cast<double>(smoothing_periods_) - 1) + kWindowMargin) * between_s_;
   smooth_window_s_ =
-      (kSmoothWindow * (static_cast<double>(smoothing_periods_) - 1) + kSmoothMargin) * period_s_;
+      (kSmoothWindow * (static_cast<double>(smoothing_periods_) - 1) + kSmoothMargin) * between_s_;
   if (asked_for) smooth_window_s_ = window_s_;
-  longest_reach_ = fastest_ * window_s_;
+  longest_reach_ = fastest_ * std::max(window_s_, period_s_);
 }
 
 /// The path goes on behind a stop: with the shape of the move that begins there.
@@ -133,7 +136,7 @@ void CellMaker::reset() {
 
 void CellMaker::measure(const Span& span, double from, double to, RawCell& cell) {
   const double u0 = from - span.begin, h = to - from;
-  double speed = kAny;
+  double speed = kAny, corner = kAny;
   AxisVector bends{}, twist{};
   bool rapid_only = true;
   while (sections_.size() > 1 && sections_.front().end <= from) sections_.pop_front();
@@ -145,7 +148,7 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
     speed = std::min(speed, section.highest);
     cell.speed_up = std::min(cell.speed_up, section.speed_up);
     cell.slow_down = std::min(cell.slow_down, section.slow_down);
-    if (section.end >= from && section.end <= to) speed = std::min(speed, section.corner);
+    if (section.end >= from && section.end <= to) corner = std::min(corner, section.corner);
     rapid_only = rapid_only && section.kind == FeedKind::rapid;
     if (section.end >= to) break;
   }
@@ -168,7 +171,7 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
     bend_share[i] = bend / acceleration_[i];
     twist_share[i] = twist[i] / jerk_[i];
   }
-  speed = std::min(speed, least_of(axis_speed));
+  speed = std::min({speed, corner, least_of(axis_speed)});
   const double bend_taken = most_of(bend_share), twist_taken = most_of(twist_share);  // per v² and v³
   if (bend_taken > 0) speed = std::min(speed, std::sqrt(kBendShare / bend_taken));
   if (twist_taken > 0) speed = std::min(speed, std::cbrt(twist_share_ / twist_taken));
@@ -176,6 +179,8 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
   limit_by_jerk(bends, twist, cell);
   cell.reach = cell.speed * window_s_;
   if (smooth_around(cell.speed)) cell.reach = cell.speed * smooth_window_s_;
+  // A corner's own speed is that of the whole period in which it is passed.
+  if (corner < kAny) cell.reach = std::max(cell.reach, cell.speed * period_s_);
 }
 
 void CellMaker::limit_by_jerk(const AxisVector& bends, const AxisVector& twist, RawCell& cell) const {
@@ -208,7 +213,7 @@ void CellMaker::limit_by_jerk(const AxisVector& bends, const AxisVector& twist, 
 
 bool CellMaker::smooth_around(double speed) const {
   // Error of the middle of what is averaged, when the third derivative jumps there.
-  const double factor = speed * speed * speed * period_s_ *
+  const double factor = speed * speed * speed * between_s_ *
                         std::max(1.0, kJumpInWindow * static_cast<double>(smoothing_periods_));
   const double twist = 6 * speed * speed * speed;
   const double small = smoothing_periods_ > 1 ? kJump : kJumpUnsmoothed;

@@ -29,6 +29,10 @@ namespace headstock::motion {
 
 enum class FeedKind : std::uint8_t { feed, revolution, rapid, thread };
 
+/// The time law takes several steps in a period, each about this long: cells follow a bend as closely as the
+/// law can use them, whatever the period.
+inline constexpr double kLawStep_s = 125e-6;
+
 /// Feed override positions for which a complete speed plan is kept; between them plans are mixed (in v²).
 inline constexpr std::array<double, 3> kPlans{0.4, 1.0, kMaxOverride};
 inline constexpr std::size_t kPlanCount = kPlans.size();
@@ -135,7 +139,7 @@ struct RawCell : CellLimits {
   std::uint16_t smoothing = 1;
   FeedKind kind = FeedKind::feed;
   double reference_rpm = 0;
-  double reach = 0;  ///< own highest speed times the smoothing time: how far its limits are spread
+  double reach = 0;  ///< own highest speed times the window: how far its limits are spread
 };
 
 class CellMaker {
@@ -144,6 +148,8 @@ class CellMaker {
 
   static constexpr std::size_t kMostSmoothing = 1024;  ///< periods
   double period_s() const { return period_s_; }
+  /// Steps of the time law in a period.
+  std::size_t law_steps() const { return law_steps_; }
   /// Periods of the moving average where no bell asks for more.
   std::size_t smoothing_periods() const { return own_smoothing_; }
 
@@ -169,9 +175,11 @@ class CellMaker {
   AxisVector feed_{}, rapid_{}, acceleration_{}, jerk_{};
   std::size_t axes_ = 0;
   double period_s_;
+  std::size_t law_steps_;
   std::size_t own_smoothing_ = 1, smoothing_periods_ = 1;
   std::uint8_t shape_ = 0;
   double smoothing_s_ = 0, window_s_ = 0, smooth_window_s_ = 0;
+  double between_s_ = 0;  // the lengths that are averaged: periods; where nothing is, the law's steps
   double longest_reach_ = 0, fastest_ = 0;
   double twist_share_ = 1;
   bool jerk_limited_ = false;

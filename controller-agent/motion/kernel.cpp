@@ -60,7 +60,7 @@ struct Kernel::Impl {
         smoother(axes, tolerance_weights(machine)),
         maker(machine),
         plan(cells),
-        law(cells, period_s, maker.smoothing_periods()),
+        law(cells, period_s, maker.law_steps(), maker.smoothing_periods()),
         filter(axes, period_s, jerks_of(machine)) {
     for (std::size_t i = 0; i < axes; ++i) rapid_mm_s[i] = machine.axes[i].rapid_mm_min / 60;
     own_smoothing = maker.smoothing_periods();
@@ -323,8 +323,9 @@ struct Kernel::Impl {
     const MoveOnPath* next = kind == FeedKind::thread ? leading() : nullptr;
     std::size_t most = 0;
     for (std::size_t i = 1; i < axes; ++i) {
-      const bool more = next ? std::abs(next->end[i] - standing[i]) > std::abs(next->end[most] - standing[most])
-                             : shape.after_s[i] > shape.after_s[most];
+      const bool more =
+          next ? std::abs(next->end[i] - standing[i]) > std::abs(next->end[most] - standing[most])
+               : shape.after_s[i] > shape.after_s[most];
       if (more) most = i;
     }
     return most;

@@ -9,15 +9,17 @@ namespace {
 
 constexpr double kArrived = 1e-9;  // mm
 constexpr double kFar = std::numeric_limits<double>::infinity();
-constexpr std::uint64_t kMostCells = 256;  // looked at in one period
+constexpr std::uint64_t kMostCells = 256;  // looked at in one step
+
+}  // namespace
 
 /// Weights of the speed plans for a ratio of the reference feed: linear in v², where the limits are linear
 /// too.
-struct Mix {
+struct TimeLaw::Mix {
   std::size_t low = 0;
   double weight_low = 0, weight_high = 0;
 
-  explicit Mix(double ratio) {
+  explicit constexpr Mix(double ratio) {
     const double square = ratio * ratio;
     if (ratio <= kPlans[0]) {
       weight_low = square / (kPlans[0] * kPlans[0]);
@@ -37,11 +39,11 @@ struct Mix {
   }
 };
 
-}  // namespace
-
-TimeLaw::TimeLaw(const Ring<Cell>& cells, double period_s, std::size_t smoothing_periods)
+TimeLaw::TimeLaw(const Ring<Cell>& cells, double period_s, std::size_t steps, std::size_t smoothing_periods)
     : cells_(cells),
       period_s_(period_s),
+      step_s_(period_s / static_cast<double>(steps)),
+      steps_(steps),
       window_(std::max<std::size_t>(1, smoothing_periods), 0.0),
       stop_(kStopCells) {
   window_.reserve(CellMaker::kMostSmoothing);
@@ -65,17 +67,16 @@ void TimeLaw::reset(double length, std::uint64_t cell) {
 }
 
 double TimeLaw::acceleration_at(double speed) const {
-  return cell_ < cells_.published() ? cells_[cell_].acceleration_for(speed, period_s_) : 0;
+  return cell_ < cells_.published() ? cells_[cell_].acceleration_for(speed, step_s_) : 0;
 }
 
 double TimeLaw::braking_at(double speed) const {
-  return cell_ < cells_.published() ? cells_[cell_].braking_for(speed, period_s_) : 0;
+  return cell_ < cells_.published() ? cells_[cell_].braking_for(speed, step_s_) : 0;
 }
 
-double TimeLaw::reachable(double ratio, double most) const {
-  const Mix mix(ratio);
+double TimeLaw::reachable(const Mix& mix, double most) const {
   const std::uint64_t end = cells_.published();
-  const double t = period_s_;
+  const double t = step_s_;
   double entry = cell_ < end ? mix.entry(cells_[cell_]) : 0;
   for (std::uint64_t k = cell_; k < end; ++k) {
     const Cell& cell = cells_[k];
@@ -86,7 +87,7 @@ double TimeLaw::reachable(double ratio, double most) const {
       entry = next;
       continue;
     }
-    // v² <= min(ceiling, next + 2 b (distance left after this period)), with b the braking that the plan uses
+    // v² <= min(ceiling, next + 2 b (distance left after this step)), with b the braking that the plan uses
     // here.
     const double b = std::max(mix.of(cell.ceiling_braking), (entry - next) / (2 * (cell.end - cell.begin)));
     const double bt = b * t, under = bt * bt + next + 2 * b * to_end;
@@ -120,7 +121,7 @@ TimeLaw::StopPlan TimeLaw::plan_stop(double length) {
   stop_first_ = cell_;
   stop_cells_ = last + 1 - cell_;
   stop_at_ = length;
-  if (towards_stop(speed_) >= speed_ - braking_at(speed_) * period_s_ && speed_ * speed_ <= ahead)
+  if (towards_stop(speed_) >= speed_ - braking_at(speed_) * step_s_ && speed_ * speed_ <= ahead)
     return StopPlan::possible;
   stop_cells_ = 0;
   return StopPlan::impossible;
@@ -128,7 +129,7 @@ TimeLaw::StopPlan TimeLaw::plan_stop(double length) {
 
 double TimeLaw::towards_stop(double most) const {
   if (stop_cells_ == 0) return most;
-  const double t = period_s_;
+  const double t = step_s_;
   for (std::uint64_t k = cell_; k < stop_first_ + stop_cells_; ++k) {
     const auto& [next, braking] = stop_[k - stop_first_];
     const double to_end = std::min(cells_[k].end, stop_at_) - leading_, crossing = to_end / t;
@@ -139,22 +140,38 @@ double TimeLaw::towards_stop(double most) const {
   return 0;
 }
 
-void TimeLaw::advance(const Demand& demand) {
-  const double t = period_s_;
+bool TimeLaw::cruises(const Mix& mix, double time_s) const {
+  static constexpr Mix fastest(kMaxOverride);
   const std::uint64_t end = cells_.published();
+  const double square = speed_ * speed_, to = leading_ + speed_ * time_s;
+  for (std::uint64_t k = cell_; k + 1 < end && k - cell_ < kMostCells; ++k) {
+    const Cell& cell = cells_[k];
+    if (cell.stop || std::sqrt(mix.of(cell.ceiling)) != speed_) return false;
+    const double left = std::max(0.0, cell.end - to);
+    for (const Mix* plan : {&mix, &fastest})
+      if (square > plan->entry(cells_[k + 1]) + 2 * plan->of(cell.ceiling_braking) * left) return false;
+    if (to < cell.end) return true;
+  }
+  return false;
+}
+
+void TimeLaw::step(const Demand& demand, const Mix& mix, double left_s) {
+  static constexpr Mix fastest(kMaxOverride);
+  const double t = step_s_;
   double speed = 0;
-  if (cell_ < end) {
+  if (cell_ < cells_.published()) {
     const double step = acceleration_at(speed_) * t, brake = braking_at(speed_) * t;
-    const double hard = reachable(kMaxOverride, speed_ + step);
+    const double hard = reachable(fastest, speed_ + step);
     double wanted;
     if (demand.follow) {
-      const double error = demand.target - (leading_ + demand.target_speed * t),
-                   a = 0.9 * std::min(step, brake) / t;
-      const double correction = std::min(std::sqrt(2 * a * std::abs(error)), std::abs(error) / (4 * t));
+      const double target = demand.target - demand.target_speed * left_s;
+      const double error = target - (leading_ + demand.target_speed * t), a = 0.9 * std::min(step, brake) / t;
+      const double correction =
+          std::min(std::sqrt(2 * a * std::abs(error)), std::abs(error) / (4 * period_s_));
       wanted = std::clamp(demand.target_speed + std::copysign(correction, error),
                           std::max(0.0, speed_ - brake), speed_ + step);
     } else {
-      wanted = demand.ratio <= 0 ? 0 : reachable(demand.ratio, speed_ + step);
+      wanted = demand.ratio <= 0 ? 0 : reachable(mix, speed_ + step);
       if (demand.stop_at < kFar) wanted = std::min(wanted, towards_stop(speed_ + step));
       wanted = std::max(wanted, speed_ - brake);
     }
@@ -165,11 +182,16 @@ void TimeLaw::advance(const Demand& demand) {
     leading = demand.stop_at;
     speed = 0;
   }
+  move_to(leading, speed);
+}
+
+void TimeLaw::move_to(double leading, double speed) {
+  const std::uint64_t end = cells_.published();
   while (cell_ < end) {
     const Cell& cell = cells_[cell_];
     const bool last = cell.stop || cell_ + 1 == end;
     if (last) {
-      if (leading >= cell.end - kArrived && speed_ > 0) {
+      if (leading >= cell.end - kArrived && (speed > 0 || speed_ > 0)) {
         leading = cell.end;
         speed = cell.stop || leading_ == cell.end ? 0 : speed;
       }
@@ -178,22 +200,35 @@ void TimeLaw::advance(const Demand& demand) {
     if (leading < cell.end) break;
     ++cell_;
   }
-  if (leading == leading_) {
-    speed = 0;
-    if (still_ < window_.size()) ++still_;
-  } else {
-    still_ = 1;
-  }
-  speed_ = speed;
+  speed_ = leading == leading_ ? 0 : speed;
   leading_ = leading;
+}
+
+void TimeLaw::advance(const Demand& demand) {
+  const double before = leading_;
+  const Mix mix(std::max(0.0, demand.ratio));
+  for (std::size_t left = steps_; left > 0;) {
+    const double speed = speed_, left_s = static_cast<double>(--left) * step_s_;
+    step(demand, mix, left_s);
+    // The rest of the period at once where it is the same again.
+    if (speed_ != speed || left == 0 || demand.follow || demand.stop_at < kFar) continue;
+    if (speed_ == 0) break;
+    if (!cruises(mix, left_s)) continue;
+    move_to(leading_ + speed_ * left_s, speed_);
+    break;
+  }
+  if (leading_ != before)
+    still_ = 1;
+  else if (still_ < window_.size())
+    ++still_;
   newest_ = newest_ + 1 == window_.size() ? 0 : newest_ + 1;
-  window_[newest_] = leading;
+  window_[newest_] = leading_;
   // Summed anew as differences to the newest value, youngest first: no drift, exactly on it when standing,
   // and the same bits wherever the ring's seam is.
   double behind = 0;
-  for (std::size_t i = newest_ + 1; i-- > 0;) behind += leading - window_[i];
-  for (std::size_t i = window_.size(); i-- > newest_ + 1;) behind += leading - window_[i];
-  length_ = leading - behind / static_cast<double>(window_.size());
+  for (std::size_t i = newest_ + 1; i-- > 0;) behind += leading_ - window_[i];
+  for (std::size_t i = window_.size(); i-- > newest_ + 1;) behind += leading_ - window_[i];
+  length_ = leading_ - behind / static_cast<double>(window_.size());
 }
 
 bool TimeLaw::pass_stop() {

@@ -2,8 +2,13 @@
 // without bound.
 //
 // Second order (speed, bounded acceleration) under the speed plan, then a moving average over the smoothing
-// time. The law looks only at the plan of the cells the next period can reach, so a period costs the same
+// time. The law looks only at the plan of the cells the next step can reach, so a period costs the same
 // however much is queued; override and hold are just another ceiling and act in the next period.
+//
+// A period is several steps of the law, all under the same demand, so that what a corner or a ramp costs does
+// not come in whole periods. That takes no margin: with n steps of length h in a period, the second
+// difference of what every n-th step says is the sum of those of the 2 n - 1 steps around it, with weights
+// 1, 2 … n … 2, 1, that is n² of them. What no step exceeds, no period does.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +32,8 @@ struct Demand {
 
 class TimeLaw {
  public:
-  TimeLaw(const Ring<Cell>& cells, double period_s, std::size_t smoothing_periods);
+  /// @param steps of the law in a period
+  TimeLaw(const Ring<Cell>& cells, double period_s, std::size_t steps, std::size_t smoothing_periods);
 
   /// Stands at this length, in front of this cell.
   void reset(double length, std::uint64_t cell);
@@ -51,15 +57,24 @@ class TimeLaw {
   bool pass_stop();
 
  private:
-  /// Highest speed, at most `most`, that the plan mixed for `ratio` allows at the end of this period.
-  double reachable(double ratio, double most) const;
+  struct Mix;
+  /// One step. @param left_s from its end to the end of the period
+  void step(const Demand& demand, const Mix& mix, double left_s);
+  /// Is this speed the one that the mixed plan has all along the way of this time [s], and no need to brake
+  /// in it?
+  bool cruises(const Mix& mix, double time_s) const;
+  /// Be at this length, at this speed; not beyond the end of what is known, nor beyond a stop.
+  void move_to(double leading, double speed);
+  /// Highest speed, at most `most`, that the mixed plan allows at the end of this step.
+  double reachable(const Mix& mix, double most) const;
   /// Highest speed, at most `most`, from which the planned stop is still reached.
   double towards_stop(double most) const;
 
   static constexpr std::size_t kStopCells = 1024;  // a stop is planned over at most
 
   const Ring<Cell>& cells_;
-  double period_s_;
+  double period_s_, step_s_;
+  std::size_t steps_;
   std::vector<double> window_;
   std::size_t newest_ = 0;
   std::size_t still_ = 0;  // periods `leading_` has not moved

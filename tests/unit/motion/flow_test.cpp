@@ -129,6 +129,23 @@ TEST(Flow, MoreThanTwoThousandSegmentsAreLookedAhead) {
   }
 }
 
+TEST(Flow, SharpCornersTakeAsLongAtEveryPeriod) {
+  // What a corner costs does not come in whole periods.
+  std::vector<Move> moves;
+  for (int i = 1; i <= 400; ++i) {
+    moves.push_back(rig::line({0.25 * i, i % 2 ? 0.1 : 0.0}, kFlow_mm_s));
+    moves.back().tag = moves.size();
+  }
+  const auto time_at = [&](unsigned period_us) {
+    auto machine = rig::machine(2, 500, 2000, 1e12);
+    machine.period_us = period_us;
+    return flowing(machine, moves).time_s;
+  };
+  const double fine = time_at(250);
+  for (const unsigned period_us : {500u, 1000u, 4000u, 8000u})
+    EXPECT_NEAR(time_at(period_us), fine, 0.002 * fine + 2e-6 * period_us) << period_us;
+}
+
 TEST(Flow, RoundingTheProgramToMicrometresCostsNoTime) {
   for (const double jerk : kFlowJerks) {
     const auto machine = rig::machine(2, 500, 2000, jerk);

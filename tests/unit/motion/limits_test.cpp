@@ -79,6 +79,18 @@ TEST_P(Law, HoldsWhateverTheOperatorDoes) {
   }
 }
 
+TEST_P(Law, HoldsAtEveryPeriod) {
+  for (unsigned seed = GetParam().first; seed < GetParam().first + 4; ++seed)
+    for (const unsigned period_us : {250u, 700u, 8000u}) {
+      auto machine = machine_for(seed, GetParam().jerk);
+      machine.period_us = period_us;
+      const auto moves = rig::random_program(seed, 20);
+      auto kernel = std::make_unique<Kernel>(machine);
+      expect_lawful(machine, moves, rig::run(*kernel, machine, moves),
+                    "seed " + std::to_string(seed) + " at " + std::to_string(period_us) + " us");
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Jerk, Law,
                          testing::Values(Case{50'000, 1, 32}, Case{500'000, 33, 64}, Case{1e12, 65, 96}));
 
