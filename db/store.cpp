@@ -2,7 +2,8 @@
 
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <future>
+#include <condition_variable>
+#include <mutex>
 
 #include "db/migrations.hpp"
 #include "protocol/process/log.hpp"
@@ -59,16 +60,26 @@ void Store::post(const char* what, std::function<void(Database&)> function) {
 }
 
 void Store::now(const std::function<void(Database&)>& function) {
-  std::promise<void> done;
+  std::mutex mutex;
+  std::condition_variable ended;
+  bool over = false;
+  std::exception_ptr error;
   thread_.post([&] {
+    std::exception_ptr thrown;
     try {
       function(*database_);
-      done.set_value();
     } catch (...) {
-      done.set_exception(std::current_exception());
+      thrown = std::current_exception();
     }
+    // The last this thread does with anything of the caller's; what was thrown is the caller's alone from here on.
+    const std::scoped_lock lock(mutex);
+    error = std::move(thrown);
+    over = true;
+    ended.notify_one();
   });
-  done.get_future().get();
+  std::unique_lock lock(mutex);
+  ended.wait(lock, [&] { return over; });
+  if (error) std::rethrow_exception(error);
 }
 
 }  // namespace headstock::db

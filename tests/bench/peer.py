@@ -13,9 +13,9 @@ leaves it G64 throughout, which no control here may do. A program that takes lon
 is cut behind a block so that it does not; both sides run what is left.
 
 LinuxCNC runs in real time, so this takes as long as the programs do, but little of a processor: as root it goes before other
-processes, and its servo thread makes up for a late period. What starting a program costs at least is measured three times
-with lines of known time in the same run and taken off its time. Exit status 1 when Headstock needs longer for one, or
-one has no result."""
+processes, and its servo thread makes up for a late period. What starting a program costs is measured with lines of known
+time in the same run (in LinuxCNC the least of three) and taken off, on both sides. Exit status 1 when Headstock needs longer
+for one, or one has no result."""
 import argparse
 import json
 import math
@@ -39,7 +39,7 @@ options.add_argument("programs", nargs="*", type=pathlib.Path)
 given = options.parse_args()
 
 # A line of 100 mm at 100 mm/s and the way back, with a stop at either end: 1.05 s each under the acceleration limit.
-KNOWN_LINES, KNOWN_S = "G17 G21 G90 G94 G61\nG1 X100. F6000.\nX0.\nM2\n", 2 * (1 + 100 / ACCELERATION)
+KNOWN_LINES, KNOWN_S = "G17 G21 G90 G94 G61\nG1 X100. F6000.\nX0.", 2 * (1 + 100 / ACCELERATION)
 
 WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 LEFT_OUT = {"N", "O", "T", "S", "M", "D", "H"}
@@ -83,7 +83,7 @@ def moves_of(file):
 
 
 def predicted(program, text):
-    program.write_text(f"O1\nG17 G21 G90 G94 G64\n{text}\nM30\n")
+    program.write_text(f"O1\n{text}\nM30\n")
     run = subprocess.run([given.bin, "simulate", "--profile", "fanuc-0i-m", "--machine", folder / "machine.toml",
                           "--set", "lenient=true", "--quick", program], capture_output=True, text=True)
     if run.returncode != 0:
@@ -97,11 +97,13 @@ def exact_stops_at_rapids(blocks):
     for block in blocks:
         codes = re.findall(r"G0*([0123])\b", block)
         rapid.append(codes[-1] == "0" if codes else bool(rapid) and rapid[-1])
-    stops = False
+    stops, tolerance = False, TOLERANCE
     for block, here, following in zip(blocks, rapid, rapid[1:] + [False]):
+        if block == "G20":
+            tolerance = TOLERANCE / 25.4
         if (here or following) != stops:
             stops = not stops
-            yield "G61.1" if stops else f"G64 P{TOLERANCE}"
+            yield "G61.1" if stops else f"G64 P{tolerance:.6f}"
         yield block
 
 
@@ -109,7 +111,7 @@ def measured(program, blocks, limit_s):
     text = "\n".join(blocks if given.blend_rapids else exact_stops_at_rapids(blocks))
     program.write_text(f"G17 G21 G90 G94 G64 P{TOLERANCE}\n{text}\nM2\n")
     known = program.with_name("known-lines.ngc")
-    known.write_text(KNOWN_LINES)
+    known.write_text(f"{KNOWN_LINES}\nM2\n")
     before_others = ["nice", "-n", "-15"] if os.geteuid() == 0 else []
     run = subprocess.run([*before_others, given.peer, "--accel", str(ACCELERATION), "--vel", str(VELOCITY),
                           "--max", str(math.ceil(limit_s)), known, known, known, program], capture_output=True, text=True)
@@ -124,16 +126,19 @@ def measured(program, blocks, limit_s):
 
 
 def cut(program, moves):
-    """As many blocks as take at most --minutes, @return them, and our time for them"""
-    enough, too_many = 0, len(moves)
-    time_s = predicted(program, "\n".join(moves))
+    """As many blocks as take at most --minutes. @return them, and our time for them"""
+    def time_of(blocks):
+        return predicted(program, "\n".join(["G17 G21 G90 G94 G64", *blocks])) - start_s
+
+    time_s = time_of(moves)
     if time_s <= 60 * given.minutes:
         return moves, time_s
+    enough, too_many = 0, len(moves)
     while too_many - enough > 1:
         middle = (enough + too_many) // 2
-        time_s = predicted(program, "\n".join(moves[:middle]))
+        time_s = time_of(moves[:middle])
         enough, too_many = (middle, too_many) if time_s <= 60 * given.minutes else (enough, middle)
-    return moves[:enough], predicted(program, "\n".join(moves[:enough]))
+    return moves[:enough], time_of(moves[:enough])
 
 
 programs = []
@@ -145,6 +150,7 @@ with tempfile.TemporaryDirectory() as temporary:
     folder = given.keep or pathlib.Path(temporary)
     folder.mkdir(exist_ok=True)
     (folder / "machine.toml").write_text(machine_file("peer", 1e12))
+    start_s = predicted(folder / "known-lines.nc", KNOWN_LINES) - KNOWN_S
     runs = []
     for name, moves in [("surf", surface())] + [(file.stem, moves_of(file)) for file in programs]:
         try:

@@ -141,6 +141,7 @@ bool SimulatedControl::take() {
 void SimulatedControl::run() {
   while (!end_) {
     const bool came = take();
+    auto rest = 50us;
     {
       const std::scoped_lock lock(mutex_);
       buffered_ -= std::min(buffered_, static_cast<unsigned>(random_() % 24));
@@ -148,8 +149,9 @@ void SimulatedControl::run() {
         stopped_ = false;
         tell('\x11');
       }
+      if (behaviour_.baud > 0) rest = 20us;
     }
-    if (!came) std::this_thread::sleep_for(behaviour_.baud > 0 ? 20us : 50us);
+    if (!came) std::this_thread::sleep_for(rest);
   }
 }
 
