@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace headstock::motion {
 
@@ -239,25 +240,45 @@ void CellMaker::add(const Span& span) {
   pending_.reset();
 }
 
+/// Moves that go on in one line are one span. A piece too short to be a programmed one shares the lower feed.
+double CellMaker::same_feed_until(double from, double end) const {
+  constexpr double kShortest_mm = 1e-3;
+  for (std::size_t i = 0; i + 1 < sections_.size() && sections_[i].end < end - kShortest_mm; ++i) {
+    const FeedSection &here = sections_[i], &next = sections_[i + 1];
+    if (here.end > from + kShortest_mm &&
+        std::tie(here.kind, here.speed, here.reference_rpm, here.highest, here.speed_up, here.slow_down) !=
+            std::tie(next.kind, next.speed, next.reference_rpm, next.highest, next.speed_up, next.slow_down))
+      return here.end;
+  }
+  return end;
+}
+
 void CellMaker::cut(const Span& span, const AxisVector& following_twist) {
   for (std::size_t i = 0; i < jump_.size(); ++i)
     jump_[i] =
         std::max(std::abs(span.c[3][i] - previous_twist_[i]), std::abs(span.c[3][i] - following_twist[i]));
   // A bend is cut so that its limits follow it, as far as spreading them would not blur that again; a
-  // straight stretch has only one set.
-  const double length = span.end - span.begin;
-  int parts = 1;
+  // straight stretch has only one set of its own, and is cut where another feed begins.
   RawCell cell;
   cell.begin = span.begin;
   cell.end = span.end;
   cell.straight = span.straight;
   cell.shape = shape_;
   cell.smoothing = static_cast<std::uint16_t>(smoothing_periods_);
-  measure(span, span.begin, span.end, cell);
-  if (!span.straight) {
-    const BendParts& cuts = smoothing_periods_ > 1 ? kParts : kPartsUnsmoothed;
-    parts = static_cast<int>(std::clamp(std::ceil(length / (cuts.blur * cell.reach)), 1.0, cuts.most));
+  if (span.straight) {
+    do {
+      cell.end = same_feed_until(cell.begin, span.end);
+      measure(span, cell.begin, cell.end, cell);
+      add_cell(cell, span.stop && cell.end == span.end);
+      cell.begin = cell.end;
+    } while (cell.end < span.end);
+    return;
   }
+  measure(span, span.begin, span.end, cell);
+  const double length = span.end - span.begin;
+  const BendParts& cuts = smoothing_periods_ > 1 ? kParts : kPartsUnsmoothed;
+  const int parts =
+      static_cast<int>(std::clamp(std::ceil(length / (cuts.blur * cell.reach)), 1.0, cuts.most));
   if (parts == 1) {
     add_cell(cell, span.stop);
     return;

@@ -164,6 +164,7 @@ class CellMaker {
   void begin_stretch(double from);
   void append(const RawCell& cell, double begin, double end);
   void spread_back(const RawCell& from);
+  double same_feed_until(double from, double end) const;
   void cut(const Span& span, const AxisVector& following_twist);
   /// Does the third derivative change little enough at both ends of the span for steps at this speed?
   bool smooth_around(double speed) const;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -257,6 +258,51 @@ TEST(Kernel, OverrideAndHoldAtRandomInstantsKeepLimitsAndTolerance) {
     };
     expect_good(machine, traced(machine, moves, options), end_of(moves.back()),
                 "seed " + std::to_string(seed));
+  }
+}
+
+TEST(Kernel, EveryMoveOfOneLineHasItsOwnFeed) {
+  for (const double jerk : {1e12, 500'000.0, 50'000.0}) {
+    const auto machine = rig::machine(2, 500, 2000, jerk);
+    const std::vector<std::pair<double, double>> ends_feeds = {{10, 20}, {20, 40}, {30, 40}, {34, 5}, {70, 100}, {90, 30}};
+    std::vector<Move> moves;
+    for (const auto& [end, feed] : ends_feeds) moves.push_back(line({end, 0.5 * end}, feed * std::hypot(1, 0.5)));
+    const auto run = traced(machine, moves);
+    ASSERT_TRUE(run.finished);
+    EXPECT_EQ(rig::violations(machine, run), "");
+    double begin = 0;
+    for (const auto& [end, feed] : ends_feeds) {
+      double fastest = 0;
+      for (std::size_t i = 1; i < run.samples.size(); ++i) {
+        const double before = run.samples[i - 1].position[0], now = run.samples[i].position[0];
+        if (before >= begin && now <= end) fastest = std::max(fastest, (now - before) / (machine.period_us * 1e-6));
+      }
+      EXPECT_NEAR(fastest, feed, 0.002 * feed) << "up to " << end << " mm, jerk " << jerk;
+      begin = end;
+    }
+  }
+}
+
+TEST(Kernel, FeedsThatChangeOnOneLineKeepLimitsUnderOverrideAndHold) {
+  for (unsigned seed = 1; seed <= 24; ++seed) {
+    std::mt19937 generator(seed);
+    const auto machine = uneven_machine(std::array{1e12, 500'000.0, 50'000.0}[seed % 3]);
+    std::vector<Move> moves;
+    double x = 0;
+    for (int i = 0; i < 60; ++i) {  // lengths and feeds over four decades, now and then a corner
+      x += std::pow(10.0, static_cast<double>(generator() % 4000) / 1000 - 3);
+      moves.push_back(line({x, 0.25 * x, static_cast<double>(i / 20)}, std::pow(10.0, static_cast<double>(generator() % 3000) / 1000 - 0.5)));
+    }
+    rig::Options options;
+    Overrides now;
+    options.overrides = [&](std::size_t) {
+      if (seed > 12 && generator() % 40 == 0) {
+        now.hold = generator() % 4 == 0;
+        now.feed = static_cast<double>(10 + generator() % 245) / 100;
+      }
+      return now;
+    };
+    expect_good(machine, traced(machine, moves, options), end_of(moves.back()), "seed " + std::to_string(seed));
   }
 }
 
