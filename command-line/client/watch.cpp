@@ -5,15 +5,11 @@
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/redirect_error.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/beast/websocket.hpp>
 
 #include "command-line/client/answer.hpp"
-#include "protocol/stream/byte_stream.hpp"
+#include "protocol/stream/web_socket.hpp"
 
 namespace headstock::client {
 
@@ -21,13 +17,12 @@ namespace {
 
 namespace asio = boost::asio;
 namespace beast = boost::beast;
-namespace http = beast::http;
-namespace websocket = beast::websocket;
 namespace ssl = asio::ssl;
 using asio::awaitable;
 using asio::use_awaitable;
 using asio::ip::tcp;
 using protocol::ByteStream;
+using protocol::WebSocket;
 
 awaitable<void> connect(beast::tcp_stream& stream, const std::string& host, const std::string& port) {
   tcp::resolver resolver(co_await asio::this_coro::executor);
@@ -48,27 +43,19 @@ ssl::context tls_context(const std::filesystem::path& ca) {
   return context;
 }
 
-awaitable<void> follow(websocket::stream<ByteStream>& socket, const std::string& host, const std::string& token,
-                       const json& subscription, const std::function<bool(const json&)>& message) {
-  socket.next_layer().lowest().expires_never();
-  socket.set_option(websocket::stream_base::timeout::suggested(beast::role_type::client));
-  socket.set_option(websocket::stream_base::decorator([&token](websocket::request_type& request) {
-    request.set(http::field::authorization, "Bearer " + token);
-  }));
-  http::response<http::string_body> answer;
-  boost::system::error_code error;
-  co_await socket.async_handshake(answer, host, "/api/v1/events", asio::redirect_error(use_awaitable, error));
-  if (error == websocket::error::upgrade_declined) demand_success(answer.result_int(), answer.body());
-  if (error) throw boost::system::system_error(error);
-  const auto text = subscription.dump();
-  co_await socket.async_write(asio::buffer(text), use_awaitable);
+awaitable<void> follow(WebSocket& socket, const std::string& host, const std::string& token, const json& subscription,
+                       const std::function<bool(const json&)>& message) {
+  const auto refused = co_await socket.ask_for(host, "/api/v1/events", token);
+  if (refused.status != 0) demand_success(refused.status, refused.body);
+  if (refused.error) throw boost::system::system_error(refused.error);
+  std::string text = subscription.dump();
+  if (const auto error = co_await socket.send(text)) throw boost::system::system_error(error);
   for (;;) {
-    beast::flat_buffer buffer;
-    co_await socket.async_read(buffer, use_awaitable);
-    const auto value = json::parse(beast::buffers_to_string(buffer.data()), nullptr, false);
+    if (const auto error = co_await socket.receive(text)) throw boost::system::system_error(error);
+    const auto value = json::parse(text, nullptr, false);
     if (value.is_object() && !message(value)) break;
   }
-  co_await socket.async_close(websocket::close_code::normal, asio::redirect_error(use_awaitable, error));
+  co_await socket.close();
 }
 
 }  // namespace
@@ -83,7 +70,7 @@ void Connection::watch(const json& subscription, const std::function<bool(const 
     stream.demand_host(host_);
     co_await connect(stream.lowest(), host_, port_);
     if (const auto error = co_await stream.handshake(ssl::stream_base::client)) throw not_trusted(error.message());
-    websocket::stream<ByteStream> socket(std::move(stream));
+    WebSocket socket(std::move(stream));
     const std::string host = host_ + ":" + port_;
     co_await follow(socket, host, server_.token, subscription, message);
   };

@@ -9,11 +9,12 @@ export const sizes = { desktop: { width: 1440, height: 900 }, tablet: { width: 8
 export async function openBrowser({ size = sizes.desktop, language = "en" } = {}) {
   const profile = mkdtempSync(join(tmpdir(), "headstock-chromium-"));
   const context = await chromium.launchPersistentContext(profile, {
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", headless: true, viewport: size,
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", headless: true, timeout: 120_000, viewport: size,
     locale: language === "zh" ? "zh-CN" : "en-GB", acceptDownloads: true,
     args: ["--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
       "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
   });
+  context.setDefaultTimeout(120_000);   // ends a test that will never pass; no measure of anything
   const page = context.pages()[0] ?? await context.newPage();
   const problems = [];
   page.on("pageerror", (error) => problems.push(`page error: ${error.message}`));

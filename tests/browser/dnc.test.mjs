@@ -126,7 +126,7 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     assert.ok(control.text.length <= paused + 64, "nothing goes out while paused");
     await page.locator("[data-action=resume]").click();
     await useLanguage(page, "en");
-    await page.locator("[data-port-state=listening]").waitFor({ timeout: 120_000 });
+    await page.locator("[data-port-state=listening]").waitFor();
     assert.deepEqual(control.text, iso(program));
     await page.locator("[data-tab=history]").click();
     await page.locator("[data-history]").first().getByText("Done").waitFor();
@@ -186,7 +186,7 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
     control.reading = false;
     await page.locator("[data-port-state=listening]").waitFor();
     control.punch(program.replace("F1200.", "F900."));
-    await page.locator("[data-tab=received] .count").waitFor({ timeout: 60_000 });
+    await page.locator("[data-tab=received] .count").waitFor();
     await page.locator("[data-tab=received]").click();
     await page.locator("[data-received] [data-action=look]").first().click();
     const dialog = page.locator("[data-dialog=received]");
@@ -208,7 +208,7 @@ describe("the DNC page", { skip: !built() && "not built" }, () => {
       await page.locator("[data-tab=ports]").click();
       await page.locator("[data-port-state=listening]").waitFor();
       control.punch(`%\nG10 G90 L10 P1 R120.5\nG10 G90 L11 P1 R${wear}\n%\n`);
-      await page.locator("[data-tab=received] .count").waitFor({ timeout: 60_000 });
+      await page.locator("[data-tab=received] .count").waitFor();
       await page.locator("[data-tab=received]").click();
       await page.locator("[data-received][data-state=waiting] [data-action=look]").first().click();
       await page.locator("[data-dialog=received] [data-field=write]").waitFor();

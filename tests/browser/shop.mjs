@@ -21,7 +21,7 @@ async function freePort() {
 }
 
 /// Asks until the answer is good. The condition decides, the limit only ends a test that will never pass.
-export async function until(what, ask, limitMs = 60_000) {
+export async function until(what, ask, limitMs = 120_000) {
   const end = Date.now() + limitMs;
   let last;
   while (Date.now() < end) {

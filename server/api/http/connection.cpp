@@ -7,10 +7,10 @@
 #include <boost/asio/write.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
-#include <boost/beast/websocket.hpp>
 
 #include "protocol/process/log.hpp"
 #include "protocol/stream/byte_stream.hpp"
+#include "protocol/stream/web_socket.hpp"
 #include "server/api/http/dispatch.hpp"
 
 namespace headstock::api {
@@ -20,13 +20,13 @@ namespace {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = beast::http;
-namespace websocket = beast::websocket;
 using asio::awaitable;
 using asio::ip::tcp;
 constexpr auto tuple = asio::as_tuple(asio::use_awaitable);
 
 using Parser = http::request_parser<http::buffer_body>;
 using protocol::ByteStream;
+using protocol::WebSocket;
 
 /// Entry in the list of connections for as long as the coroutine lives.
 class Listed {
@@ -153,35 +153,21 @@ awaitable<bool> send_reply(ByteStream& stream, Reply& reply, bool head, bool kee
 
 class Socket final : public SocketClient {
  public:
-  Socket(ByteStream&& stream, const Limits& limits) : socket_(std::move(stream)) {
-    socket_.next_layer().lowest().expires_never();
-    websocket::stream_base::timeout timeouts{};
-    timeouts.handshake_timeout = std::chrono::seconds(10);
-    timeouts.idle_timeout = std::chrono::seconds(30);
-    timeouts.keep_alive_pings = true;
-    socket_.set_option(timeouts);
-    socket_.read_message_max(limits.socket_message_bytes);
-    socket_.text(true);
-  }
+  explicit Socket(ByteStream&& stream) : socket_(std::move(stream)) {}
 
-  awaitable<bool> accept(const http::request<http::buffer_body>& request) {
-    const auto [error] = co_await socket_.async_accept(request, tuple);
-    co_return !error;
+  awaitable<bool> accept(const http::request_header<>& request, const Limits& limits) {
+    co_return !co_await socket_.accept(request, limits.socket_message_bytes);
   }
-  awaitable<bool> send(std::shared_ptr<const std::string> message) override {
-    const auto [error, ignored] = co_await socket_.async_write(asio::buffer(*message), tuple);
-    co_return !error;
-  }
+  awaitable<bool> send(std::shared_ptr<const std::string> message) override { co_return !co_await socket_.send(*message); }
   awaitable<std::optional<std::string>> receive() override {
-    beast::flat_buffer buffer;
-    const auto [error, ignored] = co_await socket_.async_read(buffer, tuple);
-    if (error) co_return std::nullopt;
-    co_return beast::buffers_to_string(buffer.data());
+    std::string text;
+    if (co_await socket_.receive(text)) co_return std::nullopt;
+    co_return text;
   }
-  void cut() override { socket_.next_layer().lowest().close(); }
+  void cut() override { socket_.cut(); }
 
  private:
-  websocket::stream<ByteStream> socket_;
+  WebSocket socket_;
 };
 
 /// A reply to what could not be parsed; nothing when there is nobody to answer.
@@ -258,11 +244,11 @@ awaitable<void> serve(ByteStream stream, std::shared_ptr<Shared> shared) {
       done = co_await dispatch(shared->router, shared->host, limits, std::move(request), body);
       request.head = head;
     }
-    if (done.socket_for && websocket::is_upgrade(parser.get())) {
-      auto socket = std::make_shared<Socket>(std::move(stream), limits);
+    if (done.socket_for && WebSocket::asked_for(parser.get())) {
+      auto socket = std::make_shared<Socket>(std::move(stream));
       listed->cut = [socket] { socket->cut(); };
       listed->idle = true;
-      const bool accepted = co_await socket->accept(parser.get());
+      const bool accepted = co_await socket->accept(parser.get(), limits);
       if (accepted && !shared->stopping) co_await shared->host.web_socket(socket, *done.socket_for);
       socket->cut();
       co_return;

@@ -137,14 +137,14 @@ export function startMock({ port = 0, machines = 6, dist }) {
   const timers = [
     setInterval(() => tell({ type: "tick", now: iso(0) }), 1000),
     setInterval(() => {
-      for (const m of shop) { if (m.state === "running") m.t += 0.25; if (m.state !== "unknown") tell({ type: "live", machine: m.id, live: live(m, now()) }); }
+      for (const m of shop) { if (m.state === "running") m.t += 0.5; if (m.state !== "unknown") tell({ type: "live", machine: m.id, live: live(m, now()) }); }
       for (const t of transfers.values()) {
         if (t.state !== "sending") continue;
-        t.bytes = Math.min(t.total, t.bytes + 90_000);
+        t.bytes = Math.min(t.total, t.bytes + 180_000);
         if (t.bytes === t.total) { t.state = t.machine % 4 === 0 ? "failed" : "done"; t.reason = t.machine % 4 === 0 ? "memory_full" : null; t.ended = iso(0); }
         tell({ ...t, type: "transfer" });
       }
-    }, 250),
+    }, 500),
   ];
   return new Promise((resolve) => server.listen(port, "127.0.0.1", () => resolve({
     url: `http://127.0.0.1:${server.address().port}`, user: "admin", password: "secret12",
