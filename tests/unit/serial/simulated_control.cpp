@@ -65,10 +65,14 @@ std::string SimulatedControl::read_all() {
 }
 
 void SimulatedControl::send(const std::string& bytes) {
-  for (const char byte : bytes) tell(byte);
+  for (const char byte : bytes) {
+    const std::scoped_lock lock(mutex_);
+    tell(byte);
+  }
 }
 
 void SimulatedControl::echo() {
+  const std::scoped_lock lock(mutex_);
   echo_ = true;
 }
 
