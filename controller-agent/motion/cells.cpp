@@ -35,7 +35,9 @@ struct BendParts {
   double most, blur;
 };
 constexpr BendParts kParts{12, 0.08}, kPartsUnsmoothed{24, 0.4};
+constexpr double kLowerFeed = 0.98;
 constexpr double kMuchSlower = 0.7;  // a bend beside is cut where the limits of something as slow as this end
+constexpr double kLeastRate = 0.1;   // of the path: turning back on itself it has none
 constexpr std::size_t kTakenKept = 256;  // cells handed over, before their place is taken back
 
 double least_of(const AxisVector& values) {
@@ -50,6 +52,11 @@ double most_of(const AxisVector& values) {
   for (std::size_t half = v.size() / 2; half > 0; half /= 2)
     for (std::size_t i = 0; i < half; ++i) v[i] = std::max(v[i], v[i + half]);
   return v[0];
+}
+
+/// Is a bend worth cutting where the limits of something with these speeds end?
+bool much_slower(double speed, double feed, const CellLimits& bend) {
+  return speed < kMuchSlower * bend.speed || feed < kLowerFeed * std::min(bend.feed, bend.speed);
 }
 
 /// Both cells' limits. Called some hundred times a segment: all lanes, whatever axes there are, nothing that
@@ -154,12 +161,16 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
     if (section.end >= to) break;
   }
   AxisVector axis_speed, bend_share, twist_share;
+  double rate_0 = 0, rate_1 = 0, rate_2 = 0;  // squares of |q'|
   for (std::size_t i = 0; i < bends.size(); ++i) {
     const double c3 = span.c[3][i], c2 = span.c[2][i] + 3 * c3 * u0;
     const double c1 = span.c[1][i] + u0 * (2 * span.c[2][i] + 3 * c3 * u0);
     // Bézier points of the first derivative bound it; the second is linear, the third constant.
     const double r0 = c1, r1 = c1 + c2 * h, r2 = c1 + 2 * c2 * h + 3 * c3 * h * h;
     const double b0 = 2 * c2, b1 = b0 + 6 * c3 * h;
+    rate_0 += r0 * r0;
+    rate_1 += r1 * r1;
+    rate_2 += r2 * r2;
     const double lowest = std::min(r0, std::min(r1, r2)), highest = std::max(r0, std::max(r1, r2));
     const double most = std::max(b0, b1), least = std::max(-b0, -b1), bend = std::max(most, least);
     cell.rate[i] = std::max(highest, -lowest);
@@ -172,6 +183,8 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
     bend_share[i] = bend / acceleration_[i];
     twist_share[i] = twist[i] / jerk_[i];
   }
+  // Rounding makes the path shorter than programmed; the feed is that of the tool along it.
+  cell.feed /= std::clamp(std::sqrt(std::max({rate_0, rate_1, rate_2})), kLeastRate, 1.0);
   speed = std::min({speed, corner, least_of(axis_speed)});
   const double bend_taken = most_of(bend_share), twist_taken = most_of(twist_share);  // per v² and v³
   if (bend_taken > 0) speed = std::min(speed, std::sqrt(kBendShare / bend_taken));
@@ -307,7 +320,7 @@ void CellMaker::add_cell(const RawCell& own, bool stop) {
     if (some.least_until >= own.end) continue;
     for (std::size_t i = 0; i < some.count; ++i) {
       const Reaching::One& r = some.ones[i];
-      if (r.until > own.begin && r.until < own.end && (own.straight || r.speed < kMuchSlower * own.speed))
+      if (r.until > own.begin && r.until < own.end && (own.straight || much_slower(r.speed, r.feed, own)))
         ending_.push_back({r.until, r.end, r.reach});
     }
   }
@@ -368,7 +381,7 @@ CellMaker::Reaching::Reaching(const RawCell& own)
 
 void CellMaker::Reaching::add(const RawCell& own) {
   const double until = own.end + own.reach;
-  ones[count] = {until, own.end, own.reach, own.speed};
+  ones[count] = {until, own.end, own.reach, own.speed, own.feed};
   limits[count++] = own;
   limit(together, own);
   least_until = std::min(least_until, until);
@@ -380,7 +393,7 @@ void CellMaker::spread_back(const RawCell& from) {
   for (std::size_t k = staged_.size(); k-- > final_;) {
     RawCell& cell = staged_[k];
     if (cell.end <= until) break;
-    const bool cut = (cell.straight || from.speed < kMuchSlower * cell.speed) &&
+    const bool cut = (cell.straight || much_slower(from.speed, from.feed, cell)) &&
                      until - cell.begin > 0.1 * (cell.end - cell.begin);
     if (cut) {
       RawCell before = cell;

@@ -192,7 +192,7 @@ class CellMaker {
   struct Reaching {
     static constexpr std::size_t kMost = 4;
     struct One {
-      double until, end, reach, speed;  // end + reach, …
+      double until, end, reach, speed, feed;  // end + reach, …
     };
     explicit Reaching(const RawCell& own);
     void add(const RawCell& own);

@@ -11,8 +11,9 @@ namespace {
 constexpr double kAny = std::numeric_limits<double>::infinity();
 constexpr std::size_t kAhead =
     20;  // moves known before knots are placed: keeps knots independent of when moves come
-constexpr double kAligned =
-    0.77 * 6;  // share of the tolerance for a corner with a knot on it (error: turn * d / 6)
+// Share of the tolerance for a corner with a knot on it (error: turn * d / 6, when the knots beside it are as far
+// away on both sides; up to a quarter more when a neighbour's are in the way).
+constexpr double kAligned = 0.77 * 6, kAlone = 0.98 * 6;
 constexpr double kBesideArc = 0.48 * 6;  // the arc's own knots take a share, too
 constexpr double kRun = 0.7;             // share in runs of short segments: knots are not evenly apart there
 constexpr double kRunGrowth = 1.3;       // of the distance of knots from one to the next, in a run
@@ -20,6 +21,7 @@ constexpr double kArc = 0.35 * 6;        // share of an arc's ends (error: d² /
 constexpr double kArcAngle = 0.15;       // rad between knots inside an arc
 constexpr double kMostWidth = 50;        // mm
 constexpr int kWidthSteps = 6;           // of halving the range a width of a run is searched in
+constexpr double kRoomForBoth = 0.95;    // of a line: two knots on it
 constexpr double kNearWhole = 0.9;       // of a line: a knot beyond it goes to the middle
 
 // In a run: the largest error that a unit corner makes at distance x when knots are `width` apart, wherever
@@ -121,6 +123,19 @@ double Smoother::CornersNear::error(double width) const {
   return sum;
 }
 
+/// Have its knots and those of both neighbours room beside each other?
+bool Smoother::alone(std::size_t index) const {
+  const auto widest = [&](std::size_t k) {
+    const Node& node = nodes_[k];
+    return node.piece.stop ? 0 : kAlone * node.piece.tolerance / std::max(node.corner.turn, 1e-12);
+  };
+  const double width = widest(index);
+  const double before = index > 0 ? widest(index - 1) : 0;
+  const double behind = widest(index + 1);
+  return width + before <= kRoomForBoth * nodes_[index].piece.curve.length &&
+         width + behind <= kRoomForBoth * nodes_[index + 1].piece.curve.length;
+}
+
 const Smoother::Corner& Smoother::measured(std::size_t index) {
   Corner& corner = nodes_[index].corner;
   if (corner.measured) return corner;
@@ -136,6 +151,7 @@ const Smoother::Corner& Smoother::measured(std::size_t index) {
   corner.width = std::min(
       kMostWidth, (beside_arc ? kBesideArc : kAligned) * piece.tolerance / std::max(corner.turn, 1e-12));
   if (beside_arc) corner.width = std::min({corner.width, width_beside(piece), width_beside(following)});
+  if (!beside_arc && alone(index)) corner.width *= kAlone / kAligned;
   if (beside_arc || corner.width <= room) return corner;
   // A neighbour is shorter than the blend: do knots at least as far apart as the corners stay inside?
   double least = room,
@@ -241,7 +257,7 @@ void Smoother::emit_line(double begin, double end, double before, double after) 
   const double length = end - begin;
   const bool near_begin = before < length, near_end = after < length;
   double last = begin;
-  if (near_begin && near_end && before + after >= 0.95 * length) {
+  if (near_begin && near_end && before + after >= kRoomForBoth * length) {
     last = begin + length * before / (before + after);
     knot(last);
   } else {

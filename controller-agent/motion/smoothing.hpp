@@ -88,6 +88,7 @@ class Smoother {
     double error(double width) const;
   };
   bool known_ahead(std::size_t index) const;
+  bool alone(std::size_t index) const;
   const Corner& measured(std::size_t index);
   /// Nearer than `reach`.
   CornersNear corners_near(std::size_t index, double reach) const;
