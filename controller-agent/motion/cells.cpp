@@ -14,6 +14,7 @@ constexpr double kJerkUnlimited = 1e9;
 // Shares of the limits. The rest of the acceleration brakes in a curve taken at its highest speed; the small
 // margins pay for derivatives that change within one period.
 constexpr double kVelocity = 0.9995, kAcceleration = 0.995, kJerk = 0.96;
+constexpr double kStraight = 0.9995;  // of the acceleration, where an axis has nothing else to do with it
 constexpr double kBendShare = 0.99;  // of the acceleration for curvature at the highest speed
 // Of the jerk for twist at the highest speed. The rest is left for acceleration: with stiff axes that is what
 // time is lost by, with soft ones the highest speed is reached almost everywhere.
@@ -69,7 +70,7 @@ bool much_slower(double speed, double feed, const CellLimits& bend) {
   for (std::size_t i = 0; i < target.rate.size(); ++i)
     target.bend_down[i] = std::max(target.bend_down[i], by.bend_down[i]);
   target.speed = std::min(target.speed, by.speed);
-  target.feed = std::min(target.feed, by.feed);
+  if (by.feed < kLowerFeed * target.feed) target.feed = by.feed;
   target.speed_up = std::min(target.speed_up, by.speed_up);
   target.slow_down = std::min(target.slow_down, by.slow_down);
   target.jerk_gain = std::min(target.jerk_gain, by.jerk_gain);
@@ -424,7 +425,8 @@ bool CellMaker::next(Cell& out) {
   out.axes = 0;
   for (std::size_t i = 0; i < axes_; ++i) {
     if (raw.rate[i] < 1e-9) continue;
-    out.gain[out.axes] = acceleration_[i] / raw.rate[i];
+    const bool bends = raw.bend_up[i] > 0 || raw.bend_down[i] > 0;
+    out.gain[out.axes] = acceleration_[i] * (bends ? 1 : kStraight / kAcceleration) / raw.rate[i];
     // Curvature that helps is counted on only without averaging: the average of v² is not the average's
     // square.
     const double help = raw.smoothing > 1 ? 0 : -kAny;

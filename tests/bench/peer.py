@@ -85,7 +85,7 @@ def moves_of(file):
 def predicted(program, text):
     program.write_text(f"O1\n{text}\nM30\n")
     run = subprocess.run([given.bin, "simulate", "--profile", "fanuc-0i-m", "--machine", folder / "machine.toml",
-                          "--set", "lenient=true", "--quick", program], capture_output=True, text=True)
+                          "--params", folder / "parameters.json", "--set", "lenient=true", "--quick", program], capture_output=True, text=True)
     if run.returncode != 0:
         raise Failed(f"{run.stderr.strip()} {run.stdout.strip()[:200]}")
     return json.loads(run.stdout)["time_s"]
@@ -150,6 +150,7 @@ with tempfile.TemporaryDirectory() as temporary:
     folder = given.keep or pathlib.Path(temporary)
     folder.mkdir(exist_ok=True)
     (folder / "machine.toml").write_text(machine_file("peer", 1e12))
+    (folder / "parameters.json").write_text('{"1401#1": 1}')  # G0 on a straight line, as LinuxCNC's
     start_s = predicted(folder / "known-lines.nc", KNOWN_LINES) - KNOWN_S
     runs = []
     for name, moves in [("surf", surface())] + [(file.stem, moves_of(file)) for file in programs]:
