@@ -11,6 +11,21 @@ constexpr double kArrived = 1e-9;  // mm
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::uint64_t kMostCells = 256;  // looked at in one step
 
+/// Speed of a step from which the end of a cell is reached at v² = `next`, with `braking` (times the time of a step)
+/// and `way` to the end (times braking).
+double braking_towards(double next, double braking, double way) {
+  // v² <= next + 2 b (way left behind this step).
+  const double square = braking * braking + next + 2 * way;
+  return square > 0 ? std::max(0.0, std::sqrt(square) - braking) : 0;
+}
+
+/// The same into a stop in the cell the step begins in, where only its own braking counts. A step's speed is that of
+/// its middle: (v - b t/2)² <= 2 b (way left behind it). In the last one `crossing`, the speed that reaches the stop.
+/// No two steps then differ by more than b t, with the half step that motion begins with behind it neither.
+double braking_into_stop(double braking, double way, double crossing) {
+  return std::max(std::min(crossing, 0.5 * braking), std::sqrt(2 * std::max(0.0, way)) - 0.5 * braking);
+}
+
 }  // namespace
 
 /// Weights of the speed plans for a ratio of the reference feed: linear in v², where the limits are linear
@@ -87,11 +102,10 @@ double TimeLaw::reachable(const Mix& mix, double most) const {
       entry = next;
       continue;
     }
-    // v² <= min(ceiling, next + 2 b (distance left after this step)), with b the braking that the plan uses
-    // here.
+    // With the braking that the plan uses here.
     const double b = std::max(mix.of(cell.ceiling_braking), (entry - next) / (2 * (cell.end - cell.begin)));
-    const double bt = b * t, under = bt * bt + next + 2 * b * to_end;
-    const double braking = under > 0 ? std::sqrt(under) - bt : 0;
+    const double braking = cell.stop && k == cell_ ? braking_into_stop(b * t, b * to_end, crossing)
+                                                   : braking_towards(next, b * t, b * to_end);
     return std::max(0.0, std::min({most, braking, std::sqrt(mix.of(cell.ceiling))}));
   }
   return 0;
@@ -134,8 +148,7 @@ double TimeLaw::towards_stop(double most) const {
     const auto& [next, braking] = stop_[k - stop_first_];
     const double to_end = std::min(cells_[k].end, stop_at_) - leading_, crossing = to_end / t;
     if (k + 1 < stop_first_ + stop_cells_ && crossing < most && crossing * crossing <= next) continue;
-    const double bt = braking * t, under = bt * bt + next + 2 * braking * to_end;
-    return std::max(0.0, std::min(most, under > 0 ? std::sqrt(under) - bt : 0));
+    return std::max(0.0, std::min(most, braking_towards(next, braking * t, braking * to_end)));
   }
   return 0;
 }
@@ -160,7 +173,8 @@ void TimeLaw::step(const Demand& demand, const Mix& mix, double left_s) {
   const double t = step_s_;
   double speed = 0;
   if (cell_ < cells_.published()) {
-    const double step = acceleration_at(speed_) * t, brake = braking_at(speed_) * t;
+    // From rest to the middle of the first step.
+    const double step = acceleration_at(speed_) * (speed_ > 0 ? t : 0.5 * t), brake = braking_at(speed_) * t;
     const double hard = reachable(fastest, speed_ + step);
     double wanted;
     if (demand.follow) {
