@@ -395,13 +395,12 @@ struct Kernel::Impl {
       standing = spans[span_cursor].position(law.length());
     placed = filter.active() ? filter.step(standing, law.length()) : standing;
     sample.position = placed;
-    for (std::size_t i = 0; i < axes; ++i) sample.velocity[i] = (placed[i] - position_before[i]) / period_s;
-    sample.path_speed_mm_s = (law.length() - before) / period_s;
-    if (filter.active()) {
-      double sum = 0;
-      for (std::size_t i = 0; i < axes; ++i) sum += sample.velocity[i] * sample.velocity[i];
-      sample.path_speed_mm_s = std::sqrt(sum);
+    double squares = 0;
+    for (std::size_t i = 0; i < axes; ++i) {
+      sample.velocity[i] = (placed[i] - position_before[i]) / period_s;
+      squares += sample.velocity[i] * sample.velocity[i];
     }
+    sample.path_speed_mm_s = std::sqrt(squares);
     sample.moving = !law.at_rest() || !filter.empty();
     sample.threading = wanted.follow;
     if (wanted.follow) sample.thread_error_mm = law.leading_length() - wanted.target;
