@@ -186,9 +186,10 @@ void CellMaker::measure(const Span& span, double from, double to, RawCell& cell)
     bend_share[i] = bend / acceleration_[i];
     twist_share[i] = twist[i] / jerk_[i];
   }
-  // Rounding makes the path shorter than programmed; the feed is that of the tool along it.
-  cell.feed /= std::clamp(std::sqrt(std::max({rate_0, rate_1, rate_2})), kLeastRate, 1.0);
-  speed = std::min({speed, corner, least_of(axis_speed)});
+  // Rounding makes the path shorter than programmed; feed and highest speeds are those of the tool along it.
+  const double rate = std::clamp(std::sqrt(std::max({rate_0, rate_1, rate_2})), kLeastRate, 1.0);
+  cell.feed /= rate;
+  speed = std::min(std::min(speed, corner) / rate, least_of(axis_speed));
   const double bend_taken = most_of(bend_share), twist_taken = most_of(twist_share);  // per v² and v³
   if (bend_taken > 0) speed = std::min(speed, std::sqrt(kBendShare / bend_taken));
   if (twist_taken > 0) speed = std::min(speed, std::cbrt(twist_share_ / twist_taken));

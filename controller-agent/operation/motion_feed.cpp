@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "operation/free_path.hpp"
 #include "operation/macro_control.hpp"
 #include "operation/path_length.hpp"
 
@@ -153,35 +154,26 @@ std::vector<motion::Move> MotionFeed::moves(const interp::Operation& operation) 
   const auto* rapid = std::get_if<interp::Rapid>(&operation);
   if (rapid == nullptr || rapid->linear) return {whole};
   const AxisVector& end = std::get<motion::Line>(whole.geometry).end;
-  // When each axis is there, at its own rate.
-  std::array<double, machine::kMaxAxes> time{};
-  std::vector<double> ends;
+  std::array<AxisCourse, machine::kMaxAxes> courses;
   for (std::size_t i = 0; i < machine_.axes.size(); ++i) {
-    time[i] = std::abs(end[i] - position_[i]) / (machine_.axes[i].rapid_mm_min / 60);
-    if (time[i] > 0) ends.push_back(time[i]);
+    const machine::Axis& axis = machine_.axes[i];
+    const double rate_mm_s = axis.rapid_mm_min / 60;
+    const double gentler = rules_.accelerations.of_hand(i, MotionKind::rapid, rate_mm_s).acceleration_mm_s2;
+    courses[i] = {end[i] - position_[i], rate_mm_s,
+                  gentler > 0 ? std::min(gentler, axis.max_acceleration_mm_s2) : axis.max_acceleration_mm_s2};
   }
-  std::sort(ends.begin(), ends.end());
-  // Axes that arrive together make one leg.
-  constexpr double kTogether_s = 1e-3;
-  std::vector<motion::Move> legs;
-  for (std::size_t k = 0; k < ends.size(); ++k) {
-    const bool last = k + 1 == ends.size();
-    if (!last && ends[k + 1] - ends[k] < kTogether_s) continue;
-    motion::Move leg = whole;
-    AxisVector& to = std::get<motion::Line>(leg.geometry).end;
-    for (std::size_t i = 0; i < machine_.axes.size(); ++i)
-      if (time[i] > ends[k]) to[i] = position_[i] + (end[i] - position_[i]) * (ends[k] / time[i]);
-    legs.push_back(leg);
-  }
-  if (legs.size() < 2) return {whole};
-  AxisVector from = position_;
+  const std::vector<AxisVector> corners = free_path(position_, {courses.data(), machine_.axes.size()});
+  if (corners.size() < 2) return {whole};
+  std::vector<motion::Move> legs(corners.size(), whole);
   std::vector<double> length;
-  for (motion::Move& leg : legs) {
-    length.push_back(path_length(from, leg));
-    from = end_of(leg);
-    leg.free_path = true;
+  AxisVector from = position_;
+  for (std::size_t k = 0; k < legs.size(); ++k) {
+    legs[k].free_path = true;
+    if (k + 1 < legs.size()) legs[k].geometry = motion::Line{corners[k]};  // the last one ends where it is to
+    length.push_back(path_length(from, legs[k]));
+    from = end_of(legs[k]);
   }
-  // The axes do not wait for each other: the corner is as round as the way to it allows.
+  // The axes do not wait for each other: a corner is as round as the way to it allows.
   for (std::size_t k = 0; k + 1 < legs.size(); ++k) {
     legs[k].exact_stop = false;
     legs[k].block_end = false;
@@ -271,17 +263,26 @@ void MotionFeed::limit_acceleration(motion::Move& move, const interp::ModalSnaps
 }
 
 void MotionFeed::keep_clear(motion::Move& move) {
-  const double rounding_mm = std::max(move.tolerance_mm, held_back_ ? held_back_->tolerance_mm : machine_.tolerance_mm);
-  if (!clearance_.forbids_rounding(position_, move, rounding_mm)) return;
+  const auto too_near = [&] {
+    const double before_mm = held_back_ ? held_back_->tolerance_mm : machine_.tolerance_mm;
+    return clearance_.forbids_rounding(position_, move, std::max(move.tolerance_mm, before_mm));
+  };
+  if (!too_near()) return;
+  motion::Move* const before = held_back_ ? &*held_back_ : nullptr;
+  // The bend of a positioning that is not interpolated need not be rounder than any other corner.
+  for (motion::Move* each : {before, &move})
+    if (each != nullptr && each->free_path) each->tolerance_mm = std::min(each->tolerance_mm, machine_.tolerance_mm);
+  if (!too_near()) return;
   const auto exact = [](motion::Move& each, bool stop) {
     each.tolerance_mm = std::min(each.tolerance_mm, ZoneClearance::kAlmostExact_mm);
-    each.exact_stop = each.exact_stop || stop;
+    const bool inside_bend = each.free_path && !each.block_end;
+    each.exact_stop = each.exact_stop || (stop && !inside_bend);
   };
   // In a chain of threads there is no stop.
   const bool thread = std::holds_alternative<motion::ThreadFeed>(move.feed);
   exact(move, !thread);
-  if (held_back_)
-    exact(*held_back_, !thread || !std::holds_alternative<motion::ThreadFeed>(held_back_->feed));
+  if (before != nullptr)
+    exact(*before, !thread || !std::holds_alternative<motion::ThreadFeed>(before->feed));
   else
     kernel_.finish();  // what is before has been handed over without knowing of this
 }

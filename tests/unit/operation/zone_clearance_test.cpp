@@ -110,12 +110,19 @@ TEST(ZoneClearance, ALineBesideAZoneStaysStraightWhenItsAxesLagDifferently) {
   EXPECT_LE(result.deepest, 0);
 }
 
-TEST(ZoneClearance, PositioningInLegsDoesNotRoundTheirCorner) {
-  // 45° to (20, 20), then along X: the corner is 2 mm round when nothing is near.
-  const Box box{21, 60, -5, 19.95};
-  const Result result = run("G00 X60. Y20.\n", kLegs, box);
+TEST(ZoneClearance, PositioningPastAZoneKeepsItsOwnPath) {
+  // X and Y by themselves: at 2,000 mm/s² Y is at 19.85 behind 0.188 s, X then at 35.0; nothing of the bend is cut off.
+  const Box beside{35.2, 60, -5, 19.85};
+  const Result result = run("G00 X60. Y20.\n", kLegs, beside);
   EXPECT_EQ(result.state, State::idle);
   EXPECT_LE(result.deepest, 0);
+  EXPECT_GT(result.deepest, -0.2);
+  const Box far{35.2, 60, -5, 10};
+  // Without the filter near the zone, with it before and behind: two stops, not one a corner of the bend.
+  EXPECT_LT(result.seconds, 1.7 * run("G00 X60. Y20.\n", kLegs, far).seconds);
+  // Where both went at the same speed until Y is there, this would be outside.
+  const Box inside{21, 60, -5, 19.5};
+  EXPECT_EQ(run("G00 X60. Y20.\n", kLegs, inside).state, State::alarm);
 }
 
 TEST(ZoneClearance, APermittedBoxIsNotLeft) {
