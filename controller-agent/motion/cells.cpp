@@ -63,14 +63,14 @@ bool much_slower(double speed, double feed, const CellLimits& bend) {
 /// Both cells' limits. Called some hundred times a segment: all lanes, whatever axes there are, nothing that
 /// could be the other cell, and not inlined, where the compiler forgets that: a few instructions on whole
 /// registers.
-[[gnu::noinline]] void limit(CellLimits& __restrict target, const CellLimits& __restrict by, double lower_feed) {
+[[gnu::noinline]] void limit(CellLimits& __restrict target, const CellLimits& __restrict by, bool feed_too) {
   for (std::size_t i = 0; i < target.rate.size(); ++i) target.rate[i] = std::max(target.rate[i], by.rate[i]);
   for (std::size_t i = 0; i < target.rate.size(); ++i)
     target.bend_up[i] = std::max(target.bend_up[i], by.bend_up[i]);
   for (std::size_t i = 0; i < target.rate.size(); ++i)
     target.bend_down[i] = std::max(target.bend_down[i], by.bend_down[i]);
   target.speed = std::min(target.speed, by.speed);
-  if (by.feed < lower_feed * target.feed) target.feed = by.feed;
+  target.feed = std::min(target.feed, feed_too ? by.feed : kAny);
   target.speed_up = std::min(target.speed_up, by.speed_up);
   target.slow_down = std::min(target.slow_down, by.slow_down);
   target.jerk_gain = std::min(target.jerk_gain, by.jerk_gain);
@@ -109,8 +109,7 @@ CellMaker::CellMaker(const machine::Machine& machine)
 void CellMaker::smooth(std::size_t periods, bool asked_for) {
   smoothing_periods_ = periods;
   smoothing_s_ = static_cast<double>(smoothing_periods_) * period_s_;
-  // What no average mixes may differ a little from cell to cell: the feed along a rounding.
-  lower_feed_ = periods > 1 ? 1 : kLowerFeed;
+  mixes_feeds_ = periods > 1;
   between_s_ = periods > 1 ? period_s_ : period_s_ / static_cast<double>(law_steps_);
   // The average lies in the middle of what it averages: no value of a window is farther from it than half a
   // window at the highest speed there.
@@ -370,11 +369,11 @@ void CellMaker::append(const RawCell& cell, double begin, double end) {
   for (const Reaching& some : reaching_) {
     if (some.most_until <= begin) continue;
     if (some.least_until > begin) {
-      limit(last, some.together, lower_feed_);
+      limit(last, some.together, mixes_feeds_);
       continue;
     }
     for (std::size_t i = 0; i < some.count; ++i)
-      if (some.ones[i].until > begin) limit(last, some.limits[i], lower_feed_);
+      if (some.ones[i].until > begin) limit(last, some.limits[i], mixes_feeds_);
   }
 }
 
@@ -387,7 +386,7 @@ void CellMaker::Reaching::add(const RawCell& own) {
   const double until = own.end + own.reach;
   ones[count] = {until, own.end, own.reach, own.speed, own.feed};
   limits[count++] = own;
-  limit(together, own, 1);
+  limit(together, own, true);
   least_until = std::min(least_until, until);
   most_until = std::max(most_until, until);
 }
@@ -403,11 +402,11 @@ void CellMaker::spread_back(const RawCell& from) {
       RawCell before = cell;
       before.end = until;
       cell.begin = until;
-      limit(cell, from, lower_feed_);
+      limit(cell, from, mixes_feeds_);
       staged_.insert(staged_.begin() + static_cast<std::ptrdiff_t>(k), before);
       break;
     }
-    limit(cell, from, lower_feed_);
+    limit(cell, from, mixes_feeds_);
   }
 }
 

@@ -182,7 +182,8 @@ class CellMaker {
   double smoothing_s_ = 0, window_s_ = 0, smooth_window_s_ = 0;
   double between_s_ = 0;  // the lengths that are averaged: periods; where nothing is, the law's steps
   double longest_reach_ = 0, fastest_ = 0;
-  double twist_share_ = 1, lower_feed_ = 1;
+  double twist_share_ = 1;
+  bool mixes_feeds_ = false;  // an average does, of neighbours
   bool jerk_limited_ = false;
   std::deque<FeedSection> sections_;
   // Handed over, then final, then those whose limits may still change.

@@ -62,12 +62,12 @@ TEST(Corner, ByItselfUsesTheWholeTolerance) {
     const auto machine = rig::machine(2, 500, 2000, 1e12);
     Kernel kernel(machine);
     const double turn = radians(degrees);
-    const AxisVector corner{40, 0}, end{40 + 40 * std::cos(turn), 40 * std::sin(turn)};
-    const auto run = rig::run(kernel, machine, {line(corner, 5, kTolerance_mm), line(end, 5, kTolerance_mm)});
+    const AxisVector corner{10, 0}, end{10 + 10 * std::cos(turn), 10 * std::sin(turn)};
+    const auto run = rig::run(kernel, machine, {line(corner, 0.5, kTolerance_mm), line(end, 0.5, kTolerance_mm)});
     double nearest = 1;
     for (const Sample& sample : run.samples) nearest = std::min(nearest, way(sample.position, corner));
     EXPECT_GT(nearest, 0.97 * kTolerance_mm) << degrees;
-    EXPECT_LT(nearest, 1.02 * kTolerance_mm) << degrees;  // the samples lie beside the middle
+    EXPECT_LT(nearest, 1.0 * kTolerance_mm) << degrees;
     EXPECT_LE(run.path_error, kTolerance_mm) << degrees;
   }
 }
