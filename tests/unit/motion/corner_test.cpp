@@ -67,7 +67,7 @@ TEST(Corner, ByItselfUsesTheWholeTolerance) {
     double nearest = 1;
     for (const Sample& sample : run.samples) nearest = std::min(nearest, way(sample.position, corner));
     EXPECT_GT(nearest, 0.97 * kTolerance_mm) << degrees;
-    EXPECT_LT(nearest, 1.0 * kTolerance_mm) << degrees;
+    EXPECT_LT(nearest, 1.01 * kTolerance_mm) << degrees;  // the samples lie beside the middle
     EXPECT_LE(run.path_error, kTolerance_mm) << degrees;
   }
 }
