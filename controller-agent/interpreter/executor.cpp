@@ -149,7 +149,7 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   cycle.clear();
   finished = false;
   jumps = idle_jumps = 0;
-  restarting = false;
+  if (restarting) leave_search();
   modal_memory.forget();
   at = {};
   tool_life::begin_run(*this);
@@ -255,6 +255,7 @@ void Executor::load_variables() {
 }
 
 void Executor::reset(const AxisVector& machine_position, std::uint32_t first_block_left) {
+  if (restarting) leave_search();
   leave_program();
   queue.clear();
   queue_head = 0;

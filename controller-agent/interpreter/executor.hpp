@@ -110,7 +110,10 @@ struct Executor {
                const RestartPoint& point);
   Pull run_through();
   bool restart_reached(bool has_sequence, std::uint32_t sequence, bool counted);
+  Pull search();
+  void leave_search();
   void keep_data_of_broken_run();
+  void keep_variable(std::uint32_t number);
   void sample(const Operation& passed);
   void reset(const AxisVector& machine_position, std::uint32_t first_block_left);
   void set_position(const AxisVector& machine_position);
