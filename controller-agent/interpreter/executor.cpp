@@ -361,7 +361,8 @@ void Executor::report_change(std::string what, double before, double after) {
   ++data.version;
   // Values that may have been added to; the others are the same when they are written again.
   const ValueKind kind = kind_of_value(what);
-  if (pipeline.holds_motion() && inputs_data() && (kind == ValueKind::tool || kind == ValueKind::work))
+  const bool may_be_added_to = kind == ValueKind::tool || kind == ValueKind::work;
+  if (may_be_added_to && environment->takes_time() && pipeline.holds_motion() && inputs_data())
     data_input_ahead.push_back({at.block, what, before, after});
   if (changed && !restarting) changed({std::move(what), before, after, change_source(block)});
 }
