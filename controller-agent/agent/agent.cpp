@@ -72,11 +72,7 @@ Agent::Agent(AgentOptions options)
   controller_options.switches = options_.switches;
   controller_ = std::make_unique<operation::Controller>(machine_, read_data(*spool_, machine_),
                                                         std::move(controller_options));
-  // What the control itself sets at power on (variables that begin as 0) is on the disk before anybody is told of it.
-  if (const interp::MachineData now = controller_->data(); now.version != read_data(*spool_, machine_).version) {
-    const link::RetainedValue value = data_value(now, machine_);
-    spool_->commit({}, {&value, 1});
-  }
+  store_power_on(*spool_, controller_->data(), machine_);
   desk_ = std::make_unique<DataDesk>(*controller_, *spool_);
   const SelectedProgram last = read_selected(*spool_);
   if (!last.name.empty() && select(last.name, operation::Origin::panel).accepted && selected_.sha256 != last.sha256) {

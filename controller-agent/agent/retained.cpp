@@ -1,10 +1,15 @@
 #include "agent/retained.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "dialects/data_rules.hpp"
+#include "interpreter/data_values.hpp"
+#include "link/live_json.hpp"
 
 namespace headstock::agent {
 namespace {
@@ -43,6 +48,18 @@ void drop_empty_rows(std::vector<interp::ToolOffset>& tools) {
            tool.radius_wear == 0 && tool.tip == 0;
   };
   while (!tools.empty() && empty(tools.back())) tools.pop_back();
+}
+
+std::map<std::string, double> values_of(const interp::MachineData& data, const machine::Machine& machine) {
+  std::map<std::string, double> values;
+  interp::each_value(data, axis_names(machine),
+                     [&values](const std::string& what, double value) { values[what] = value; });
+  return values;
+}
+
+double value_in(const std::map<std::string, double>& values, const std::string& what) {
+  const auto found = values.find(what);
+  return found != values.end() ? found->second : std::nan("");
 }
 
 }  // namespace
@@ -135,6 +152,27 @@ interp::MachineData read_data(const link::Spool& spool, const machine::Machine& 
     data.variable_names[static_cast<std::uint32_t>(std::stoul(number))] = name.get<std::string>();
   data.version = value.value("version", std::uint64_t{0});
   return with_rows(std::move(data));
+}
+
+void store_power_on(link::Spool& spool, const interp::MachineData& now, const machine::Machine& machine) {
+  const bool first = !spool.retained(kData);
+  const interp::MachineData stored = read_data(spool, machine, Variables::all);
+  const auto before = values_of(stored, machine), after = values_of(now, machine);
+  auto places = before;
+  places.insert(after.begin(), after.end());
+  const auto at = std::chrono::system_clock::now().time_since_epoch();
+  const auto at_ms = std::chrono::duration_cast<std::chrono::milliseconds>(at).count();
+  std::vector<link::NewEvent> events;
+  for (const auto& [what, value] : places) {
+    const double then = value_in(before, what), is = value_in(after, what);
+    const bool same = then == is || (std::isnan(then) && std::isnan(is));
+    if (!first && !same)
+      events.push_back(
+          link::to_new_event({at_ms, operation::OffsetChanged{{what, then, is, ""}, "power_on"}}));
+  }
+  if (events.empty() && now.version == stored.version) return;
+  const link::RetainedValue value = data_value(now, machine);
+  spool.commit(events, {&value, 1});
 }
 
 }  // namespace headstock::agent

@@ -28,5 +28,9 @@ SelectedProgram read_selected(const link::Spool& spool);
 enum class Variables : bool { kept, all };
 interp::MachineData read_data(const link::Spool& spool, const machine::Machine& machine,
                               Variables which = Variables::kept);
+/// After power on, before anything is reported: what the control has set or let go of by itself (variables
+/// that do not outlive power, or begin as 0) is on the disk, and is told as a change of origin "power_on". A
+/// disk that had no data yet has nothing to differ from.
+void store_power_on(link::Spool& spool, const interp::MachineData& now, const machine::Machine& machine);
 
 }  // namespace headstock::agent

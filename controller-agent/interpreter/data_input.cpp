@@ -223,6 +223,13 @@ bool Executor::data_input_waits() const {
   return !at_standstill && cycle.watch == nullptr && environment->takes_time() && inputs_data();
 }
 
+// Every G10 waits for a standstill first, so never more is remembered than the motions still held stand in
+// front of.
+void Executor::keep_data_input(std::uint32_t first_block_left) {
+  std::erase_if(data_input_ahead,
+                [first_block_left](const DataInputAhead& one) { return one.block < first_block_left; });
+}
+
 // Under G41/G42 one or two motions in front of a G10 wait for the blocks behind it: it is carried out before
 // them, and taken back when RESET comes before they are done.
 void Executor::take_back_data_input(std::uint32_t first_block_left) {

@@ -149,7 +149,7 @@ void Executor::start(std::unique_ptr<program::Source> main, const AxisVector& ma
   cycle.clear();
   finished = false;
   jumps = idle_jumps = 0;
-  restarting = false;
+  if (restarting) leave_search();
   modal_memory.forget();
   at = {};
   tool_life::begin_run(*this);
@@ -255,6 +255,7 @@ void Executor::load_variables() {
 }
 
 void Executor::reset(const AxisVector& machine_position, std::uint32_t first_block_left) {
+  if (restarting) leave_search();
   leave_program();
   queue.clear();
   queue_head = 0;
@@ -360,7 +361,8 @@ void Executor::report_change(std::string what, double before, double after) {
   ++data.version;
   // Values that may have been added to; the others are the same when they are written again.
   const ValueKind kind = kind_of_value(what);
-  if (pipeline.holds_motion() && inputs_data() && (kind == ValueKind::tool || kind == ValueKind::work))
+  const bool may_be_added_to = kind == ValueKind::tool || kind == ValueKind::work;
+  if (may_be_added_to && environment->takes_time() && pipeline.holds_motion() && inputs_data())
     data_input_ahead.push_back({at.block, what, before, after});
   if (changed && !restarting) changed({std::move(what), before, after, change_source(block)});
 }

@@ -110,7 +110,10 @@ struct Executor {
                const RestartPoint& point);
   Pull run_through();
   bool restart_reached(bool has_sequence, std::uint32_t sequence, bool counted);
+  Pull search();
+  void leave_search();
   void keep_data_of_broken_run();
+  void keep_variable(std::uint32_t number);
   void sample(const Operation& passed);
   void reset(const AxisVector& machine_position, std::uint32_t first_block_left);
   void set_position(const AxisVector& machine_position);
@@ -190,6 +193,7 @@ struct Executor {
   bool inputs_data() const;       ///< the block just read is a G10, or data of one
   bool data_input_waits() const;  ///< … that must wait until everything handed out has been carried out
   void take_back_data_input(std::uint32_t first_block_left);
+  void keep_data_input(std::uint32_t first_block_left);  ///< what blocks before this one wrote stays
   /// Everything handed out must have been carried out before what follows is read (G31, M00, unbuffered M).
   void hold_look_ahead() { barrier = true; }
   void flush_changes();

@@ -64,6 +64,9 @@ const RestartState& Interpreter::restart_state() const {
 Pull Interpreter::next(Operation& out) {
   return executor_->next_on_machine(out);
 }
+void Interpreter::carried_out(std::uint32_t first_block_left) {
+  executor_->keep_data_input(first_block_left);
+}
 void Interpreter::reset(const AxisVector& machine_position, std::uint32_t first_block_left) {
   executor_->reset(machine_position, first_block_left);
 }

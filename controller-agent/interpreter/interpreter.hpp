@@ -117,6 +117,8 @@ class Interpreter {
   /// @param first_block_left number (SourcePosition::block) of the first block that has not been carried out whole:
   /// what it and all behind it have changed is taken back first (0i-D K.32.1). 0: everything was carried out.
   void reset(const AxisVector& machine_position, std::uint32_t first_block_left = 0);
+  /// After a standstill: from now on no RESET takes back what blocks before this one have written.
+  void carried_out(std::uint32_t first_block_left);
 
   /// Where the axes really stand, when a move did not end as programmed (skip, manual intervention, abort).
   void set_position(const AxisVector& machine_position);

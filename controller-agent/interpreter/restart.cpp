@@ -1,5 +1,6 @@
 #include "interpreter/restart.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "interpreter/executor.hpp"
@@ -33,9 +34,19 @@ bool Executor::restart_reached(bool has_sequence, std::uint32_t sequence, bool c
   return run.reached;
 }
 
+// The search writes into a copy. In its pauses the machine's data are everybody's, as they were and as others
+// have changed them meanwhile.
 Pull Executor::run_through() {
+  if (!restarting) return finished ? Pull::finished : Pull::operation;
+  std::swap(data, *restart_run.data);
+  const Pull reached = search();
+  if (restarting) std::swap(data, *restart_run.data);
+  return reached;
+}
+
+Pull Executor::search() {
   Operation thrown;
-  while (restarting) {
+  for (;;) {
     out = &thrown;
     out_used = false;
     at_standstill = true;  // nothing is handed out, so nothing is waited for
@@ -56,7 +67,7 @@ Pull Executor::run_through() {
     queue_head = 0;
     if (++steps % 1'024 == 0 && environment->wants_stop()) {
       finished = true;
-      restarting = false;
+      keep_data_of_broken_run();
       leave_program();
       return Pull::finished;
     }
@@ -65,7 +76,6 @@ Pull Executor::run_through() {
       continue;
     }
 
-    restarting = false;
     restart_run.state.position = machine_now;
     restart_run.state.modal = modal;
     restart_run.state.spindle = modal.spindle_speed;
@@ -91,36 +101,43 @@ Pull Executor::run_through() {
     }
     return Pull::finished;
   }
-  return finished ? Pull::finished : Pull::operation;
+}
+
+// The search is over, its copy goes. Of a newer version than either, so that nobody takes what he has read of
+// the copy for the machine's.
+void Executor::leave_search() {
+  data.version = std::max(data.version, restart_run.data->version) + 1;
+  restart_run.data.reset();
+  restarting = false;
+  data_input_ahead.clear();
+  if (macros != nullptr) (void)macros->variables.take_changes();
+  update_zeros();
+}
+
+void Executor::keep_variable(std::uint32_t number) {
+  auto& kept = data.common_variables;
+  const auto found = kept.find(number);
+  const double before = found != kept.end() ? found->second : macro::kNull, now = macros->common.get(number);
+  if (now == before || (macro::is_null(now) && macro::is_null(before))) return;
+  if (macro::is_null(now)) {
+    kept.erase(number);
+  } else {
+    kept[number] = now;
+  }
+  ++data.version;
+  if (changed) changed({"variable/" + std::to_string(number), before, now, "program"});
 }
 
 // The variables that do not outlive power are those of this run; everything else stands as it did.
 void Executor::keep_data_of_broken_run() {
-  if (macros != nullptr) (void)macros->variables.take_changes();
-  const std::uint64_t version = data.version + 1;
-  std::map<std::uint32_t, double> variables;
+  std::swap(data, *restart_run.data);
+  leave_search();
   if (macros != nullptr) {
     for (const macro::CommonRange& range : macros->rules.common) {
       if (range.retained) continue;
-      for (std::uint32_t number = range.first; number <= range.last; ++number) {
-        const double value = macros->common.get(number);
-        if (!macro::is_null(value)) variables[number] = value;
-      }
+      for (std::uint32_t number = range.first; number <= range.last; ++number) keep_variable(number);
     }
   }
-  for (const auto& [number, value] : restart_run.data->common_variables) {
-    bool own_range = false;
-    if (macros != nullptr) {
-      for (const macro::CommonRange& range : macros->rules.common)
-        own_range = own_range || (!range.retained && number >= range.first && number <= range.last);
-    }
-    if (!own_range) variables[number] = value;
-  }
-  data = std::move(*restart_run.data);
-  data.common_variables = std::move(variables);
-  data.version = version;
-  restart_run.data.reset();
-  update_zeros();
 }
 
 void Executor::sample(const Operation& passed) {

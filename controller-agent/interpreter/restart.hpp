@@ -16,7 +16,8 @@ struct RestartRun {
   std::uint32_t seen = 0;  ///< times the sequence number was passed
   bool reached = false;
   RestartState state;
-  /// As it was before: what the part run through writes has been written by the run that was broken off.
+  /// What the search writes: that has been written by the run that was broken off. While the search is at
+  /// work it stands in Executor::data, and the machine's data here.
   std::unique_ptr<MachineData> data;
 };
 

@@ -293,8 +293,11 @@ void Controller::Impl::count_due_part() {
 void Controller::Impl::interlude_done() {
   done_block = std::max(done_block, last_block.block);
   switch (std::exchange(await, Await::nothing)) {
-    case Await::function:
     case Await::standstill:
+      interpreter.carried_out(first_block_left());
+      count_due_part();
+      return;
+    case Await::function:
       count_due_part();
       return;
     case Await::nothing:

@@ -111,18 +111,20 @@ void record_change(db::Database& db, const db::EventRow& event, const json& told
   db::insert_value_change(db, change);
   db::put_value(db, change.machine, change.what, change.after, change.spool, event.sequence, change.at_ms);
   if (change.request <= 0) return;
-  // The answer to this request was lost; the machine's own record says that it was carried out.
+  // The answer to this request was lost, or came too late; the machine's own record says that it was carried
+  // out.
+  const std::string unanswered = "(state = 'unknown' OR (state = 'failed' AND reason = 'not_carried_out'))";
   db.execute(
       "UPDATE value_request_items SET read_back = ?, was_read = 1 WHERE request_id = ? AND what = ? AND "
-      "EXISTS (SELECT "
-      "1 FROM value_requests r WHERE r.id = request_id AND r.machine_id = ? AND r.state = 'unknown')",
+      "EXISTS (SELECT 1 FROM value_requests WHERE id = request_id AND machine_id = ? AND " +
+          unanswered + ")",
       {change.after, change.request, change.what, change.machine});
   db.execute(
       "UPDATE value_requests SET state = 'done', reason = '', ended_ms = ? WHERE id = ? AND machine_id = ? "
-      "AND state = "
-      "'unknown' AND NOT EXISTS (SELECT 1 FROM value_request_items i WHERE i.request_id = value_requests.id "
-      "AND "
-      "i.was_read = 0)",
+      "AND " +
+          unanswered +
+          " AND NOT EXISTS (SELECT 1 FROM value_request_items i WHERE i.request_id = value_requests.id AND "
+          "i.was_read = 0)",
       {event.received_ms, change.request, change.machine});
 }
 

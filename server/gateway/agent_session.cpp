@@ -17,7 +17,8 @@ using nlohmann::json;
 using std::chrono::milliseconds;
 using wire::Type;
 
-constexpr std::size_t kMaxEventBatches = 4, kMaxEvents = 256;
+constexpr std::ptrdiff_t kMaxEventBatches = 4;
+constexpr std::size_t kMaxEvents = 256;
 constexpr int kMaxRequests = 4;  // of one machine at a time
 /// An agent that sends live states faster than agreed is thinned out, not trusted.
 constexpr milliseconds kLeastLiveInterval{50};
@@ -220,16 +221,15 @@ void AgentSession::handle(const wire::Frame& frame) {
     case Type::census: {
       json census;
       if (!json_body(frame, census)) break;
-      census_ = census.value("programs", json::array());
-      if (!census_->is_array()) return connection_->close("census: programs: not a list");
-      to_store_.notify();
+      json programs = census.value("programs", json::array());
+      if (!programs.is_array()) return connection_->close("census: programs: not a list");
+      newest_to_store(Type::census, std::move(programs));
       break;
     }
     case Type::data_report: {
       json report;
       if (!json_body(frame, report)) break;
-      data_report_ = std::move(report);
-      to_store_.notify();
+      newest_to_store(Type::data_report, std::move(report));
       break;
     }
     case Type::data_result:
@@ -303,31 +303,43 @@ void AgentSession::on_events(const wire::Frame& frame) {
     if (!sound) return connection_->close("events: seq, at_ms or kind missing or out of order");
     last = event["seq"].get<std::uint64_t>();
   }
-  if (events_.size() >= kMaxEventBatches) return connection_->close("more events than were acknowledged");
-  events_.push_back(std::move(events));
+  const auto waiting = std::ranges::count(told_, Type::events, &Told::type);
+  if (waiting >= kMaxEventBatches) return connection_->close("more events than were acknowledged");
+  told_.push_back({Type::events, std::move(events)});
   to_store_.notify();
 }
 
-/// Hands events and census to the store, one after the other; the connection goes on being read meanwhile.
+/// Only the newest of its type waits, at the place in the order that it was said at.
+void AgentSession::newest_to_store(Type type, json body) {
+  std::erase_if(told_, [type](const Told& told) { return told.type == type; });
+  told_.push_back({type, std::move(body)});
+  to_store_.notify();
+}
+
+asio::awaitable<void> AgentSession::store(Told& told) {
+  GatewayHost& host = owner_->host();
+  if (told.type == Type::events) {
+    const std::uint64_t committed = co_await host.events(machine_, spool_id_, std::move(told.body));
+    connection_->send(Type::events_ack, 0, wire::encode(wire::EventsAck{committed}));
+  } else if (told.type == Type::census) {
+    co_await host.census(machine_, std::move(told.body));
+  } else {
+    co_await host.data_report(machine_, spool_id_, told.body);
+  }
+}
+
+/// Hands what was said to the store, one after the other in that order: a report of values is held against
+/// the events before it and none behind it. The connection goes on being read meanwhile.
 asio::awaitable<void> AgentSession::store_loop() {
   const auto self = shared_from_this();
   while (open() && !owner_->stopped()) {
     try {
-      if (!events_.empty()) {
-        json batch = std::move(events_.front());
-        events_.pop_front();
-        const std::uint64_t committed = co_await owner_->host().events(machine_, spool_id_, std::move(batch));
-        connection_->send(Type::events_ack, 0, wire::encode(wire::EventsAck{committed}));
-      } else if (census_) {
-        json programs = std::move(*census_);
-        census_.reset();
-        co_await owner_->host().census(machine_, std::move(programs));
-      } else if (data_report_) {
-        const json report = std::move(*data_report_);
-        data_report_.reset();
-        co_await owner_->host().data_report(machine_, spool_id_, report);
-      } else {
+      if (told_.empty()) {
         co_await to_store_.wait();
+      } else {
+        Told next = std::move(told_.front());
+        told_.pop_front();
+        co_await store(next);
       }
     } catch (const std::exception& error) {
       connection_->close(std::string("the store refused what the machine reported: ") + error.what());

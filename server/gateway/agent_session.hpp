@@ -64,6 +64,11 @@ class AgentSession : public std::enable_shared_from_this<AgentSession> {
     wire::Signal arrived;
     std::optional<nlohmann::json> result;
   };
+  /// What waits for the store: events, a census or a report of values.
+  struct Told {
+    wire::Type type;
+    nlohmann::json body;
+  };
   struct Reading {
     explicit Reading(const boost::asio::any_io_executor& executor) : arrived(executor) {}
     wire::Signal arrived;
@@ -80,6 +85,8 @@ class AgentSession : public std::enable_shared_from_this<AgentSession> {
   boost::asio::awaitable<void> certificate_stored(std::string serial);
   void handle(const wire::Frame& frame);
   void on_events(const wire::Frame& frame);
+  void newest_to_store(wire::Type type, nlohmann::json body);
+  boost::asio::awaitable<void> store(Told& told);
   void on_data(const wire::Frame& frame);
   void on_result(const wire::TransferResult& result);
   void renew(const wire::Enrol& request);
@@ -100,8 +107,7 @@ class AgentSession : public std::enable_shared_from_this<AgentSession> {
   std::map<std::uint64_t, std::shared_ptr<Answer>> answers_;
   std::map<std::uint32_t, std::shared_ptr<Reading>> readings_;
   std::map<std::uint64_t, std::uint32_t> reading_streams_;
-  std::deque<nlohmann::json> events_;
-  std::optional<nlohmann::json> census_, data_report_;
+  std::deque<Told> told_;  // in the order in which it was said
   std::map<std::uint64_t, std::shared_ptr<Writing>> writings_;
   std::chrono::steady_clock::time_point last_live_{};
 };

@@ -73,8 +73,9 @@ class GatewayHost {
   /// why not.
   virtual boost::asio::awaitable<MachineAnswer> program_requested(std::int64_t machine, std::string name) = 0;
   virtual void transfer_changed(const TransferState& state) = 0;
-  /// Offsets, tool life, parameters and variables as the machine has them on its disk: {sequence, version, values,
-  /// parameter_write}. Comes when every event up to `sequence` was acknowledged. `report` lives until it has returned.
+  /// Offsets, tool life, parameters and variables as the machine has them on its disk: {sequence, version,
+  /// values, parameter_write}. Comes when every event up to `sequence` was acknowledged, and before any later
+  /// one is handed over. `report` lives until it has returned.
   virtual boost::asio::awaitable<void> data_report(std::int64_t /*machine*/, std::string /*spool_id*/,
                                                    const nlohmann::json& /*report*/) {
     co_return;

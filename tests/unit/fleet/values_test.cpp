@@ -205,6 +205,17 @@ TEST_F(Values, AnAnswerThatWasLostIsSettledByTheMachinesOwnRecord) {
   EXPECT_EQ(db::value_request(*db, not_written)->reason, "not_carried_out");
 }
 
+TEST_F(Values, WhatAStalledMachineCarriesOutAfterAllIsDone) {
+  report(json::object());
+  const auto row = ask(wang, {{"tool/1/wear/X", 0, 0.1, {}, false}});
+  EXPECT_EQ(finish_request(*db, row.id, {{"accepted", false}, {"reason", "timeout"}}, 1).state, "unknown");
+  settle_unknown(*db, machine, 2);  // with a report it had made before it came to the request
+  EXPECT_EQ(db::value_request(*db, row.id)->reason, "not_carried_out");
+  event("tool/1/wear/X", 0, 0.1, "person", {{"by", "wang"}, {"request", row.id}});
+  EXPECT_EQ(db::value_request(*db, row.id)->state, "done");
+  EXPECT_EQ(db::value_request(*db, row.id)->reason, "");
+}
+
 TEST_F(Values, ASetIsComparedAndCopied) {
   report({{"tool/1/geometry/X", 1}, {"tool/2/geometry/X", 2}, {"parameter/6713", 5}});
   const Difference to = difference(

@@ -163,6 +163,27 @@ TEST_F(Hostile, MessagesOutOfForm) {
   }
 }
 
+TEST_F(Hostile, ReportsWithoutEndWaitOnceWhileTheStoreIsBusy) {
+  shop.fleet.census_held = true;
+  const auto peer = connect(true);
+  peer->connection->send(Type::census, 0, wire::encode_json({{"programs", json::array()}}));
+  ASSERT_TRUE(shop.until([&] { return !shop.fleet.stored[2].empty(); }));
+  for (int n = 1; n <= 1'000; ++n) {
+    peer->connection->send(Type::census, 0, wire::encode_json({{"programs", json::array()}}));
+    peer->connection->send(Type::data_report, 0,
+                           wire::encode_json({{"sequence", n}, {"values", json::object()}}));
+  }
+  peer->connection->send(Type::ping, 0, wire::encode(wire::Ping{77, 0}));
+  ASSERT_TRUE(shop.until([&] {
+    return std::ranges::any_of(peer->frames, [](const auto& f) { return f.first == Type::pong; });
+  }));
+  shop.fleet.census_held = false;
+  ASSERT_TRUE(shop.until([&] { return shop.fleet.stored[2].size() == 3; }));
+  shop.run_for(60ms);
+  EXPECT_EQ(shop.fleet.stored[2], (std::vector<std::string>{"census", "census", "report 1000"}));
+  peer->connection->close("");
+}
+
 TEST_F(Hostile, UnknownTypesAreSkipped) {
   const auto peer = connect(true);
   peer->connection->send(static_cast<Type>(200), 0, "whatever");

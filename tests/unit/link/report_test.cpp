@@ -109,6 +109,29 @@ TEST_F(Connected, StoreThatFailsLosesNoEvent) {
   EXPECT_EQ(shop.fleet.events_committed[0]["kind"], "part");
 }
 
+// A report says what the machine had when one event was written. Taken up behind a later one it would differ
+// from what that event told, and a change that somebody made would be noted as found.
+TEST_F(Connected, AReportIsTakenUpBetweenTheEventsItStandsBetween) {
+  ASSERT_TRUE(shop.until([&] { return shop.fleet.census_of.contains(3); }));
+  const auto write = [&](const char* after) {
+    agent.spool.commit(std::vector<link::NewEvent>{{1, "offset", std::string(R"({"after":)") + after + "}"}});
+  };
+  write("1");
+  ASSERT_TRUE(shop.until([&] { return agent.spool.pending() == 0; }));
+  shop.fleet.stored[3].clear();
+  shop.fleet.census_held = true;
+  agent.memory.put("O1", "G0\n");
+  ASSERT_TRUE(shop.until([&] { return !shop.fleet.stored[3].empty(); }));
+  agent.machine.report = {{"sequence", 1}, {"values", {{"tool/3/wear/X", 1}}}};
+  ASSERT_TRUE(shop.until([&] { return agent.machine.reports == 1; }));
+  write("2");
+  // Its answer comes behind them: the server has read both by then.
+  ASSERT_TRUE(shop.wait_for(shop.gateway->command(3, "feed_hold", 0, "li")).accepted);
+  shop.fleet.census_held = false;
+  ASSERT_TRUE(shop.until([&] { return agent.spool.pending() == 0; }));
+  EXPECT_EQ(shop.fleet.stored[3], (std::vector<std::string>{"census", "report 1", "events 2"}));
+}
+
 TEST(Events, EachOnceThoughTheLinkIsCutAtRandomBytesAndBothEndsRestart) {
   Shop shop;
   auto proxy = std::make_unique<CuttingProxy>(shop.io, shop.gateway->port());

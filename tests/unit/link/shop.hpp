@@ -48,6 +48,10 @@ class FakeFleet final : public server::GatewayHost {
   std::map<std::uint64_t, server::TransferState> transfers;
   int transfer_reports = 0, waits = 0;
   bool store_broken = false;
+  /// The store is busy with a census for as long as this holds.
+  bool census_held = false;
+  /// What the store was given of a machine, in order: "census", "events 4", "report 3".
+  std::map<std::int64_t, std::vector<std::string>> stored;
 
   asio::awaitable<std::int64_t> redeem_token(std::string secret) override {
     co_await asio::post(io_, asio::use_awaitable);
@@ -76,7 +80,8 @@ class FakeFleet final : public server::GatewayHost {
     live_of[machine] = std::move(live);
     ++live_count[machine];
   }
-  asio::awaitable<std::uint64_t> events(std::int64_t, std::string spool, json events) override {
+  asio::awaitable<std::uint64_t> events(std::int64_t machine, std::string spool, json events) override {
+    stored[machine].push_back("events " + events.back()["seq"].dump());
     co_await asio::post(io_, asio::use_awaitable);
     if (store_broken) throw std::runtime_error("disk full");
     auto& last = last_event[spool];
@@ -90,8 +95,13 @@ class FakeFleet final : public server::GatewayHost {
     co_return last;
   }
   asio::awaitable<void> census(std::int64_t machine, json programs) override {
+    stored[machine].push_back("census");
+    while (census_held) co_await asio::post(io_, asio::use_awaitable);
     census_of[machine] = std::move(programs);
-    co_return;
+  }
+  asio::awaitable<void> data_report(std::int64_t machine, std::string, const json& report) override {
+    stored[machine].push_back("report " + report["sequence"].dump());
+    co_await asio::post(io_, asio::use_awaitable);
   }
   /// What machines may ask for, and what they asked.
   std::map<std::string, std::string> library;
@@ -116,6 +126,8 @@ class FakeMachine final : public link::LinkHost {
   std::unique_ptr<program::Source> stream;
   std::uint64_t stream_bytes = 0;
   int ups = 0, losts = 0;
+  json report;  ///< what the machine has of data; null: nothing
+  int reports = 0;
 
   FakeMachine() { now.axes = {"X", "Z"}; }
   operation::Live live() override {
@@ -140,6 +152,10 @@ class FakeMachine final : public link::LinkHost {
       stream_bytes = bytes;
     }
     return answer;
+  }
+  json data_report() override {
+    reports += report.is_object();
+    return report;
   }
   std::vector<std::string> answers;  ///< to requests at the panel
   void request_answered(const std::string& name, const operation::CommandResult& said) override {

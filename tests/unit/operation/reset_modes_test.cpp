@@ -202,6 +202,15 @@ TEST(ResetModes, DataInputOfABlockThatIsDoneStays) {
   EXPECT_NEAR(value_of(bench, "tool/2/radius"), 1, 1e-9);
 }
 
+TEST(ResetModes, OfTwoDataInputsTheOneThatIsDoneStays) {
+  Bench bench("fanuc-0i-m");
+  bench.load(
+      "O1\nG90 G94 G41 G01 X2. D1 F600.\nX4.\nG91 G10 L12 P2 R1.\nG90 X40.\nX42.\nG91 G10 L12 P2 R1.\n"
+      "G90 X50.\nG40 X60.\nM30\n");
+  reset_in_motion(bench, 8);  // the second was carried out before the two motions in front of it, held at X4
+  EXPECT_NEAR(value_of(bench, "tool/2/radius"), 1, 1e-9);
+}
+
 // K2000TC #4112: the M code before.
 TEST(ResetModes, TheLastMOfTheK2000TCIsThatOfTheLastBlock) {
   Bench bench("k2000tc");

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "bench.hpp"
+#include "interpreter/data_values.hpp"
+#include "operation/data_edit.hpp"
 
 namespace headstock::operation {
 namespace {
@@ -195,6 +197,102 @@ TEST(Restart, TheKeptBlockIsNeverAheadOfTheAxes) {
       },
       200));
   EXPECT_GE(last, 6u);
+}
+
+// ---- what the search would write
+
+using Values = std::map<std::string, double>;
+
+Values values_of(const Bench& bench, const interp::MachineData& data) {
+  std::vector<char> axes;
+  for (const machine::Axis& axis : bench.controller.machine().axes) axes.push_back(axis.name);
+  Values values;
+  interp::each_value(data, axes, [&](const std::string& what, double value) { values[what] = value; });
+  return values;
+}
+
+/// What the events that were taken make of `values`: whoever only hears of them has what the machine has.
+Values told(const Bench& bench, Values values) {
+  for (const OffsetChanged& told : bench.all<OffsetChanged>()) {
+    const interp::DataChange& change = told.change;
+    const bool absent = std::isnan(change.after) || (change.after == 0 && change.what.starts_with("tool/"));
+    if (absent)
+      values.erase(change.what);
+    else
+      values[change.what] = change.after;
+  }
+  return values;
+}
+
+/// A G10 and variables, then a calculation that is longer than one piece of the look-ahead.
+constexpr const char* kLongSearch =
+    "O1\nG90 G94 G21\nG10 L11 P3 R5.\nG10 L2 P1 "
+    "X50.\n#101=7\n#501=8\n#1=0\nWHILE[#1LT60000]DO1\n#1=#1+1\nEND1\n"
+    "N30 G01 X10. F600.\nM30\n";
+
+struct RestartSearch : testing::Test {
+  Bench bench;
+  Values before;
+
+  /// Stands in a pause of the search, behind the G10.
+  void SetUp() override {
+    bench.load(kLongSearch);
+    ASSERT_TRUE(bench.controller
+                    .edit_data([](interp::MachineData& data) { data.tools.resize(10); },
+                               {"tool/1/tip", 0, 0, ""}, "test")
+                    .accepted);
+    bench.commit();
+    bench.events.clear();
+    before = values_of(bench, bench.controller.data());
+    ASSERT_TRUE(bench.controller.restart(at_sequence(30)).accepted);
+    (void)bench.controller.work();
+    ASSERT_FALSE(bench.controller.live().restart.found);
+  }
+  EditResult write(const char* what, double after) {
+    EditRequest request;
+    request.values.push_back({what, 0, after});
+    request.origin = "person";
+    request.by = "wang";
+    return bench.controller.edit_values(request);
+  }
+};
+
+TEST_F(RestartSearch, WhatIsStoredMeanwhileIsTheMachinesOwn) {
+  ASSERT_TRUE(write("tool/5/wear/Z", 0.1).accepted);
+  const Taken taken = bench.controller.take_events();
+  ASSERT_TRUE(taken.data);
+  before["tool/5/wear/Z"] = 0.1;
+  EXPECT_EQ(values_of(bench, *taken.data), before);
+}
+
+TEST_F(RestartSearch, WhatAPersonWritesMeanwhileStays) {
+  ASSERT_TRUE(write("tool/5/wear/Z", 0.1).accepted);
+  ASSERT_TRUE(bench.until_state(State::stopped, 20));
+  bench.commit();
+  const Values now = values_of(bench, bench.controller.data());
+  EXPECT_EQ(now.at("tool/5/wear/Z"), 0.1);
+  EXPECT_FALSE(now.contains("tool/3/wear/Z"))
+      << "the run that was broken off wrote it, and somebody took it back";
+  EXPECT_EQ(now.at("variable/501"), 0) << "kept without power, like an offset";
+  EXPECT_EQ(now.at("variable/101"), 7) << "it does not outlive power: the rest of the program needs it";
+  EXPECT_EQ(now, told(bench, before));
+}
+
+TEST_F(RestartSearch, ResetLeavesNothingOfIt) {
+  ASSERT_TRUE(bench.press(Action::reset).accepted);
+  ASSERT_TRUE(bench.until_state(State::idle, 20));
+  EXPECT_EQ(values_of(bench, bench.controller.data()), before);
+  EXPECT_EQ(bench.controller.live().absolute[0], 0) << "the zero point too";
+  bench.commit();
+  EXPECT_TRUE(bench.all<OffsetChanged>().empty());
+  // The next program's changes are told again.
+  bench.load("O2\nG90 G94 G21\nG10 L11 P3 R5.\n#101=7\n#501=8\nM30\n", "O2");
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until_state(State::idle, 20));
+  bench.commit();
+  const Values now = values_of(bench, bench.controller.data());
+  EXPECT_EQ(now.at("tool/3/wear/Z"), 5);
+  EXPECT_EQ(now, told(bench, before));
 }
 
 }  // namespace
