@@ -492,6 +492,7 @@ std::size_t Kernel::room() const {
 }
 
 void Kernel::push(const Move& move) {
+  if (!can_push()) return abort();
   impl_->finished = false;
   impl_->push(move);
 }

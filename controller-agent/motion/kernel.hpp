@@ -125,8 +125,9 @@ class Kernel {
   /// Room for one more move?
   bool can_push() const;
   std::size_t room() const;
-  /// Appends a move that starts where the last one ended. Precondition: can_push(). After an abort call
-  /// set_position() first; a move of no length is kept for its tag and exact stop only.
+  /// Appends a move that starts where the last one ended. Precondition: can_push(); a move too many is an abort(),
+  /// so that nothing is ever traced that was not programmed. After an abort call set_position() first; a move of no
+  /// length is kept for its tag and exact stop only.
   void push(const Move& move);
   /// Nothing more comes for now (dwell, M code, end): the last move pushed ends at rest. Without it the axes
   /// wait short of that end, because its corner with the next move is not known yet.

@@ -13,7 +13,7 @@ constexpr std::size_t kAhead =
     20;  // moves known before knots are placed: keeps knots independent of when moves come
 // Share of the tolerance for a corner with a knot on it (error: turn * d / 6, when the knots beside it are as far
 // away on both sides; up to a quarter more when a neighbour's are in the way).
-constexpr double kAligned = 0.77 * 6, kAlone = 0.995 * 6;
+constexpr double kAligned = 0.77 * 6, kAlone = 0.98 * 6;
 constexpr double kBesideArc = 0.48 * 6;  // the arc's own knots take a share, too
 constexpr double kRun = 0.7;             // share in runs of short segments: knots are not evenly apart there
 constexpr double kRunGrowth = 1.3;       // of the distance of knots from one to the next, in a run
@@ -123,17 +123,19 @@ double Smoother::CornersNear::error(double width) const {
   return sum;
 }
 
-/// Have its knots and those of both neighbours room beside each other?
+/// Have its knots and those of both neighbours room beside each other? A neighbour in a run has knots anywhere.
 bool Smoother::alone(std::size_t index) const {
   const auto widest = [&](std::size_t k) {
     const Node& node = nodes_[k];
-    return node.piece.stop ? 0 : kAlone * node.piece.tolerance / std::max(node.corner.turn, 1e-12);
+    if (node.piece.stop) return 0.0;
+    const double width = kAlone * node.piece.tolerance / std::max(node.corner.turn, 1e-12);
+    const double room = std::min(node.piece.curve.length, nodes_[k + 1].piece.curve.length);
+    return width <= room ? width : kAny;
   };
-  const double width = widest(index);
-  const double before = index > 0 ? widest(index - 1) : 0;
-  const double behind = widest(index + 1);
-  return width + before <= kRoomForBoth * nodes_[index].piece.curve.length &&
-         width + behind <= kRoomForBoth * nodes_[index + 1].piece.curve.length;
+  const double before = index > 0 ? widest(index - 1) : 0, behind = widest(index + 1);
+  const double most = std::max(before, behind) + widest(index);
+  return most <= kRoomForBoth * nodes_[index].piece.curve.length &&
+         most <= kRoomForBoth * nodes_[index + 1].piece.curve.length;
 }
 
 const Smoother::Corner& Smoother::measured(std::size_t index) {

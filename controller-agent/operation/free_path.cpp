@@ -9,7 +9,6 @@ namespace {
 
 using machine::AxisVector;
 
-constexpr int kPieces = 24;         // of the whole time
 constexpr double kStraight = 1e-4;  // change of direction that is none, rad
 
 double length(const AxisVector& way) {
@@ -62,8 +61,8 @@ std::vector<AxisVector> free_path(const AxisVector& from, std::span<const AxisCo
   };
   std::vector<AxisVector> corners;
   AxisVector begin = from, last = from;  // of the piece that is made longer, and its end so far
-  for (int k = 1; k <= kPieces; ++k) {
-    const AxisVector next = place(whole_s * k / kPieces);
+  for (std::size_t k = 1; k <= kMostFreePieces; ++k) {
+    const AxisVector next = place(whole_s * static_cast<double>(k) / static_cast<double>(kMostFreePieces));
     if (k > 1 && !same_direction(between(begin, last), between(last, next))) {
       corners.push_back(last);
       begin = last;

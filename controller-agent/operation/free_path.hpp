@@ -2,6 +2,7 @@
 // waiting for the others. The path that they draw together, as the kernel can follow it.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct AxisCourse {
   /// Part of the way behind it [mm, signed]. @param time_s since the start, 0 and more
   double at(double time_s) const;
 };
+
+/// As many corners as a path has at most.
+inline constexpr std::size_t kMostFreePieces = 24;
 
 /// Corners of a polyline from `from` (left out) to the end (exact); one when all axes are there together. Straight
 /// stretches are one piece, bends are cut finely enough that rounding the corners gives the bend.

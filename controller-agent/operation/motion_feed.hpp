@@ -14,6 +14,7 @@
 #include "motion/kernel.hpp"
 #include "operation/acceleration.hpp"
 #include "operation/corner_override.hpp"
+#include "operation/free_path.hpp"
 #include "operation/retrace.hpp"
 #include "operation/speed_limits.hpp"
 #include "operation/tag_ring.hpp"
@@ -66,10 +67,11 @@ class MotionFeed {
   /// Stored stroke checks 2 and 3 that are in force for what follows.
   void set_zones(std::vector<axes::Zone> zones) { clearance_.set(std::move(zones)); }
 
-  /// Room for one more move? `traced`: tag being traced.
+  /// Room for one more operation? `traced`: tag being traced.
   bool has_room(std::uint64_t traced) const {
     // Before the first move since the position was set nothing is traced, and nothing older is needed.
-    return kernel_.room() >= machine::kMaxAxes + 2 * inner_corners_.kept() &&
+    // One operation is several moves, and what was held back goes before them.
+    return kernel_.room() > kMostFreePieces + 2 * inner_corners_.kept() &&
            tags_.has_room(std::max(traced, tag_when_set_));
   }
 

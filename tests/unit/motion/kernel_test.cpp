@@ -149,6 +149,26 @@ TEST(Kernel, MovesOfNoLengthKeepTagAndExactStop) {
   EXPECT_TRUE(traced(machine, {line({0, 0}, 100)}).finished);
 }
 
+TEST(Kernel, AMoveTooManyStopsTheAxesAndIsNotTraced) {
+  const auto machine = rig::machine(2, 300, 2000, 50'000);
+  Kernel kernel(machine);
+  kernel.set_position({});
+  for (std::size_t i = 1; i <= Kernel::kQueueMoves; ++i) kernel.push(line({0.5 * static_cast<double>(i), 0}, 50));
+  while (kernel.plan()) {
+  }
+  for (int period = 0; period < 100; ++period) kernel.step({}, 0, 0);
+  while (kernel.can_push()) kernel.push(line({3'000, 0}, 50));
+  kernel.push(line({0, 700}, 50));
+  Sample sample;
+  for (int period = 0; period < 1'000 && !kernel.aborted(); ++period) {
+    kernel.plan();
+    sample = kernel.step({}, 0, 0);
+    EXPECT_EQ(sample.position[1], 0);
+  }
+  EXPECT_TRUE(kernel.aborted());
+  EXPECT_FALSE(sample.moving);
+}
+
 TEST(Kernel, ChordsOfACircleFlow) {
   for (const double jerk : {50'000.0, 500'000.0, 1e12}) {
     const auto machine = rig::machine(2, 500, 2000, jerk);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bench.hpp"
+#include "motion/path_error.hpp"
 #include "operation/free_path.hpp"
 
 namespace headstock::operation {
@@ -71,6 +72,30 @@ TEST(FreePath, TakesAsLongAsTheSlowestAxis) {
   const double alone_s = takes_s(alone, false) - start_s, both_s = takes_s(both, false) - start_s;
   EXPECT_GT(both_s, 0.995 * alone_s);
   EXPECT_LT(both_s, 1.03 * alone_s);
+}
+
+// One positioning is many moves: what the kernel still has to trace is not written over when its queue is full.
+TEST(FreePath, AFullQueueKeepsThePath) {
+  Bench bench("fanuc-0i-m");
+  std::string program = "O1\nG90 G94 G21\nF30000\n";
+  for (int i = 0; i < 6'000; ++i) {
+    const bool positioning = i % 300 == 150;
+    program += positioning ? "G00 X90. Y40.\n"
+                           : "G01 X" + std::to_string(0.2 * (i % 300)) + " Y" + std::to_string(0.1 * (i % 7)) + "\n";
+  }
+  bench.load(program + "M30\n");
+  motion::PathError error(bench.controller.machine().axes.size());
+  error.start(bench.controller.sample().position);
+  bench.controller.on_move([&](const motion::Move& move) { error.add(move); });
+  ASSERT_TRUE(bench.start());
+  ASSERT_TRUE(bench.until(
+      [&] {
+        const motion::Sample& sample = bench.controller.sample();
+        if (sample.moving) error.judge(sample.position, sample.tag);
+        return bench.state() == State::idle;
+      },
+      600));
+  EXPECT_LE(error.max(), 0.01);
 }
 
 }  // namespace
