@@ -19,6 +19,13 @@ if(HEADSTOCK_SANITIZE)
   target_link_options(headstock_options INTERFACE -fsanitize=${HEADSTOCK_SANITIZE})
   # GCC 12 warns falsely inside standard headers when sanitizers change inlining.
   target_compile_options(headstock_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized> $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
+  # What the standard library asks of its callers (an index inside, a value that is there), asked aloud.
+  target_compile_definitions(headstock_options INTERFACE _GLIBCXX_ASSERTIONS)
+  if(HEADSTOCK_SANITIZE MATCHES "undefined")
+    # A number too large for the integer it is turned into is undefined as well, but not among what "undefined" covers.
+    target_compile_options(headstock_options INTERFACE -fsanitize=float-cast-overflow)
+    target_link_options(headstock_options INTERFACE -fsanitize=float-cast-overflow)
+  endif()
   if(HEADSTOCK_SANITIZE MATCHES "thread")
     # Asio has a fence in it that the thread sanitizer does not model; GCC 12 says so at every include.
     target_compile_options(headstock_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan>)

@@ -30,12 +30,13 @@ void Pool::post(std::function<void()> function) {
   asio::post(threads_, std::move(function));
 }
 
-asio::awaitable<void> Pool::done(const std::shared_ptr<Work>& work) {
+asio::awaitable<void> Pool::done(Work& work) {
   const auto begin = [this, &work](auto handler) {
     auto home =
         asio::prefer(asio::get_associated_executor(handler), asio::execution::outstanding_work.tracked);
-    asio::post(threads_, [home, work, back = std::move(handler)]() mutable {
-      work->work();
+    // `back` keeps the caller and its work alive.
+    asio::post(threads_, [home, &work, back = std::move(handler)]() mutable {
+      work.work();
       asio::post(home, std::move(back));
     });
   };

@@ -36,8 +36,8 @@ class Pool {
     static_assert(kSurvivesAwait<F>,
                   "GCC 12: give this lambda a name before the co_await expression, then pass the name");
     using Result = std::invoke_result_t<std::decay_t<F>&>;
-    return answer(std::shared_ptr<Answer<Result>>(
-        std::make_shared<Job<std::decay_t<F>, Result>>(std::forward<F>(function))));
+    return answer(std::unique_ptr<Answer<Result>>(
+        std::make_unique<Job<std::decay_t<F>, Result>>(std::forward<F>(function))));
   }
 
   /// Fire and forget, in order when the pool has one thread. `f` must not throw.
@@ -78,13 +78,13 @@ class Pool {
     F function;
   };
 
-  /// Hands the work to the pool and resumes the caller on its own executor when it is done.
-  boost::asio::awaitable<void> done(const std::shared_ptr<Work>& work);
+  /// Hands the work to the pool and resumes the caller on its own executor when it is done. The work stays the caller's:
+  /// what it holds ends on the caller's thread, never on the pool's behind the caller's back.
+  boost::asio::awaitable<void> done(Work& work);
 
   template <class Result>
-  boost::asio::awaitable<Result> answer(std::shared_ptr<Answer<Result>> job) {
-    const std::shared_ptr<Work> work = job;
-    co_await done(work);
+  boost::asio::awaitable<Result> answer(std::unique_ptr<Answer<Result>> job) {
+    co_await done(*job);
     if (job->error) std::rethrow_exception(job->error);
     if constexpr (!std::is_void_v<Result>) co_return std::move(*job->result);
   }
