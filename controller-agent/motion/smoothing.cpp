@@ -13,7 +13,7 @@ constexpr std::size_t kAhead =
     20;  // moves known before knots are placed: keeps knots independent of when moves come
 // Share of the tolerance for a corner with a knot on it (error: turn * d / 6, when the knots beside it are as far
 // away on both sides; up to a quarter more when a neighbour's are in the way).
-constexpr double kAligned = 0.77 * 6, kAlone = 0.98 * 6;
+constexpr double kAligned = 0.77 * 6, kAlone = 0.97 * 6;
 constexpr double kBesideArc = 0.48 * 6;  // the arc's own knots take a share, too
 constexpr double kRun = 0.7;             // share in runs of short segments: knots are not evenly apart there
 constexpr double kRunGrowth = 1.3;       // of the distance of knots from one to the next, in a run
