@@ -48,6 +48,15 @@ bool is_taken_off_by_itself(std::string_view what, const db::MachineValues& want
   return group_stays ? place.field == "tool" : place.field == "life";
 }
 
+/// What nobody has entered of a group or a tool that stays is 0, told only by the machine's next report: a set from before it
+/// does not name it.
+bool is_unnamed_zero(std::string_view what, const db::MachineValues& wanted) {
+  const LifePlace place = life_place(what);
+  const std::string group = "tool_life/" + std::to_string(place.group);
+  return place.group != 0 && wanted.contains(group + "/life") &&
+         (place.index < 0 || wanted.contains(group + "/tool/" + std::to_string(place.index)));
+}
+
 }  // namespace
 
 db::ValueRequestRow ask_values(db::Database& db, const Actor& actor, const NewValueRequest& asked,
@@ -241,8 +250,11 @@ Difference difference(db::Database& db, std::int64_t machine, const db::MachineV
       result.items.push_back({what, read.value, after, std::nullopt, false});
   };
   for (const auto& [what, value] : wanted) consider(what, value);
-  for (const auto& [what, value] : db::machine_values(db, machine))
-    if (!wanted.contains(what) && is_taken_off_by_itself(what, wanted)) consider(what, std::nullopt);
+  for (const auto& [what, value] : db::machine_values(db, machine)) {
+    if (wanted.contains(what)) continue;
+    if (is_taken_off_by_itself(what, wanted)) consider(what, std::nullopt);
+    else if (is_unnamed_zero(what, wanted)) consider(what, 0);
+  }
   put_in_writing_order(result.items);
   return result;
 }

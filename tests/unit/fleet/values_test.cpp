@@ -272,6 +272,19 @@ TEST_F(Values, MoreThanTenToolsOfAGroupAreKnown) {
   EXPECT_TRUE(difference(*db, machine, as_values(life_group(1, 12, 7)), "").items.empty());
 }
 
+TEST_F(Values, WhatASetFromBeforeTheReportDoesNotNameOfAToolThatStaysWasZero) {
+  report(life_group(1, 2, 7));
+  db::MachineValues before = as_values(life_group(1, 2));
+  std::erase_if(before, [](const auto& one) { return one.first.find("/used/") != std::string::npos; });
+  const Difference back = difference(*db, machine, before, "");
+  ASSERT_EQ(back.items.size(), 2u);
+  for (const db::ValueItem& item : back.items) {
+    EXPECT_TRUE(item.what.starts_with("tool_life/1/used/")) << item.what;
+    EXPECT_EQ(item.before, 7);
+    EXPECT_EQ(item.after, 0);
+  }
+}
+
 TEST_F(Values, AGroupTooManyIsTakenOffWholeAndAToolTooManyFromTheEnd) {
   json there = life_group(1, 13);
   there.update(life_group(2, 2));
