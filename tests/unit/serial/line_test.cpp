@@ -115,8 +115,8 @@ TEST(Line, AHangUpEndsItByNameAndThePortIsUsableAtOnce) {
     ASSERT_TRUE(bench.ready());
     SimulatedControl::Behaviour behaviour;
     behaviour.hang_up_after = 1 + round * 37;
-    bench.send(std::string(10'000, 'X'));
-    control.begin(behaviour, 10'000);
+    bench.send(std::string(2'000'000, 'X'));
+    control.begin(behaviour, 2'000'000);
     ASSERT_TRUE(bench.finished());
     EXPECT_EQ(bench.report.state, Sender::State::failed);
     EXPECT_EQ(bench.report.reason, "disconnected");
@@ -135,10 +135,10 @@ TEST(Line, APulledTerminalEndsItByName) {
   SimulatedControl control;
   Bench bench(*address_of(control.device()));
   ASSERT_TRUE(bench.ready());
-  bench.send(std::string(100'000, 'X'));
+  bench.send(std::string(2'000'000, 'X'));
   SimulatedControl::Behaviour behaviour;
   behaviour.hang_up_after = 500;
-  control.begin(behaviour, 100'000);
+  control.begin(behaviour, 2'000'000);
   ASSERT_TRUE(bench.finished());
   EXPECT_EQ(bench.report.reason, "disconnected");
 }
@@ -158,9 +158,9 @@ TEST(Line, AControlThatDoesNotStartOrDiesStopped) {
   SimulatedControl::Behaviour dies;
   dies.dies_stopped = true;
   bench.report = {};
-  bench.line->send(rules, text_source(std::string(10'000, 'X')),
-                   [&](const SendReport& now) { bench.report = now; });
-  control.begin(dies, 10'000);
+  constexpr std::size_t kLong = 2'000'000;  // 20 s on the line: not over before a busy computer lets the control stop it
+  bench.line->send(rules, text_source(std::string(kLong, 'X')), [&](const SendReport& now) { bench.report = now; });
+  control.begin(dies, kLong);
   ASSERT_TRUE(bench.finished());
   EXPECT_EQ(bench.report.reason, "held_too_long");
 }
