@@ -187,9 +187,10 @@ struct Kernel::Impl {
     }
     spans.publish(spans_written);
     if (cells_written != cells_done) {
-      plan.extend(std::max(oldest, path_first_cell()), cells_done, cells_written);
-      cells_done = cells_written;
+      plan.begin(cells_done, cells_written);
       cells.publish(cells_written);
+      plan.raise(std::max(oldest, path_first_cell()), cells_done);
+      cells_done = cells_written;
     }
     // Full is as far as the look-ahead can see: motion may start.
     if (!more && (moves.room(moves_written) < moves.capacity() / 2 ||
